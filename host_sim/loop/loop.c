@@ -166,13 +166,14 @@ static bool create_clipper(hs_loop *loop, const hs_plugin *plugin, bool gaps, hs
     const float across = (float)(loop->box.extent / layout.width);
     const float along = (float)(loop->box.depth_extent / layout.slices);
     /* A guarded plugin is given memory of its guard's, on what it calls its own queue. */
-    const bool guarded = hs_is_guarded(plugin);
-    const hs_clipper_options asked = {.own_queue = o->own_queue || guarded,
-                                      .spacing_mm = {across, across, along},
-                                      .refused = &refused,
-                                      .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
-                                      .values = o->values,
-                                      .value_count = o->value_count};
+    const bool guarded = hs_is_guarded(plugin), unsaid = hs_source_shape(loop->source)->spacing_unsaid;
+    const hs_clipper_options asked = {
+        .own_queue = o->own_queue || guarded,
+        .spacing_mm = {unsaid ? 0.0f : across, unsaid ? 0.0f : across, unsaid ? 0.0f : along},
+        .refused = &refused,
+        .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
+        .values = o->values,
+        .value_count = o->value_count};
     if (guarded || o->own_queue) loop->options.in_flow = false;
     void *memory = NULL;
     hs_guarded_route(plugin, (hs_handover){o->carrier, o->own_queue});

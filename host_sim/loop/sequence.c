@@ -10,7 +10,6 @@
 typedef struct {
     hs_kretz *kretz;
     hs_metaimage *metaimage;
-    hs_source_scanned scanned; /* for every volume of `metaimage` */
 } sequence_file;
 
 /* What only MetaImage files take must not be asked of others in vain. */
@@ -21,6 +20,9 @@ static bool check_kretz(const char *path, const hs_source_files *how, hs_error *
     if (how->metaimage.has_probe)
         return hs_fail(err, HS_ERR_USAGE, "%s: a Kretz file says itself where the probe is, %s was given",
                        path, hs_probe_name(how->metaimage.probe));
+    if (how->metaimage.has_spacing)
+        return hs_fail(err, HS_ERR_USAGE, "%s: a Kretz file says itself how large it is, --spacing was given",
+                       path);
     return !how->metaimage.has_window ||
            hs_fail(err, HS_ERR_USAGE, "%s: a window was given, but a Kretz file has 8 bits", path);
 }
@@ -37,8 +39,8 @@ static bool file_open(sequence_file *file, const char *path, const hs_source_fil
         return file->kretz != NULL;
     }
     hs_metaimage_options options = how->metaimage;
-    if (how->scanned.first) options.padding = HS_PADDING_ALL; /* no need to guess: the maps tell */
-    file->scanned = how->scanned;
+    options.scanned[0] = how->scanned.first;
+    options.scanned[1] = how->scanned.end;
     file->metaimage = hs_metaimage_open(path, &options, err);
     return file->metaimage != NULL;
 }
@@ -56,16 +58,11 @@ static bool file_shape(const sequence_file *file, hs_volume *shape, hs_error *er
 }
 
 /* Reads volume `index` (0 .. count - 1). A zeroed `volume` is made, one that an earlier call made of a file
- * of the same shape is filled again; the errors are those of hs_kretz_read, or of hs_metaimage_read_at and
- * hs_scanned_maps_apply, and after them a volume that was to be made is zeroed. One thread at a time. */
+ * of the same shape is filled again; the errors are those of hs_kretz_read or hs_metaimage_read_at, and after
+ * them a volume that was to be made is zeroed. One thread at a time. */
 static bool file_read(sequence_file *file, uint32_t index, hs_volume *volume, hs_error *err) {
     if (file->kretz) return hs_kretz_read(file->kretz, index, volume, err);
-    const bool fresh = volume->voxels == NULL;
-    if (!hs_metaimage_read_at(file->metaimage, index, volume, err)) return false;
-    const hs_source_scanned *maps = &file->scanned;
-    const bool ok = !maps->first || hs_scanned_maps_apply(volume, maps->first, maps->end, err);
-    if (!ok && fresh) hs_volume_free(volume);
-    return ok;
+    return hs_metaimage_read_at(file->metaimage, index, volume, err);
 }
 
 /* Safe if none is open. */

@@ -46,8 +46,7 @@ const hs_source_origin *hs_sequence_origins(const hs_sequence *sequence);
 
 /* Reads volume `index` (0 .. count - 1), with its file's name and place. A zeroed `volume` is made, one that
  * an earlier call made is filled again. A file that is not open is opened anew: HS_ERR_INPUT if it changed
- * since _open. Else the errors of hs_kretz_read, hs_metaimage_read_at and hs_scanned_maps_apply. One thread
- * at a time. */
+ * since _open. Else the errors of hs_kretz_read and hs_metaimage_read_at. One thread at a time. */
 bool hs_sequence_read(hs_sequence *sequence, uint32_t index, hs_volume *volume, hs_error *err);
 
 /* Closes the file that is open, until the next _read. */

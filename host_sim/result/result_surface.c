@@ -107,6 +107,7 @@ enum { NONE = -1 };
 typedef struct {
     const hs_maps *maps;
     hs_result_grid grid;
+    bool mm;         /* lengths are; else nobody knows them */
     bool *usable;    /* a pixel whose surface lies in the volume */
     int32_t *number; /* of its vertex, or NONE */
     hs_surface_size size;
@@ -175,10 +176,11 @@ static void number_vertices(surface *s) {
 static bool write_head(const surface *s, hs_output_file *out, hs_error *err) {
     const int written = fprintf(
         out->file,
-        "ply\nformat %s 1.0\ncomment SmartVis clipping surface, mm, %s\nelement vertex %" PRIu32
+        "ply\nformat %s 1.0\ncomment SmartVis clipping surface, %s, %s\nelement vertex %" PRIu32
         "\nproperty float x\nproperty float y\nproperty float z\nelement face %" PRIu32
         "\nproperty list uchar int vertex_indices\nend_header\n",
         __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? "binary_big_endian" : "binary_little_endian",
+        s->mm ? "mm" : "voxels: the file does not say its spacing",
         s->grid.pose.stated ? "x to the left, y to the back, z to the head (LPS)" : "along the source's axes",
         s->size.vertices, s->size.triangles);
     return written > 0 ||
@@ -223,7 +225,7 @@ static bool write_faces(const surface *s, hs_output_file *out, hs_error *err) {
 bool hs_result_write_surface(const char *path, const hs_maps *maps, const hs_volume *volume,
                              hs_surface_size *size, hs_error *err) {
     const size_t rays = (size_t)maps->width * maps->height;
-    surface s = {.maps = maps};
+    surface s = {.maps = maps, .mm = !volume->spacing_unsaid};
     hs_output_file out;
     s.usable = malloc(rays * sizeof *s.usable);
     s.number = malloc(rays * sizeof *s.number);

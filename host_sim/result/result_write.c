@@ -42,6 +42,7 @@ static bool open_file(hs_result_voxels *v, uint32_t index) {
     v->frame = 0;
     v->file = hs_met_voxels_open(path, v->err);
     if (!v->file) return false;
+    hs_met_voxels_allow_gaps(v->file);
     const hs_met_header *h = hs_met_voxels_header(v->file);
     if (h->size[0] != like->nx || h->size[1] != like->ny || h->size[2] != like->nz)
         return hs_fail(v->err, HS_ERR_INPUT,
@@ -93,7 +94,7 @@ static bool find_fill(hs_result_voxels *v) {
             const double *value = hs_met_voxels_read(v->file, n, &raw);
             if (!value) return false;
             for (size_t i = 0; i < n; i++) {
-                if (!(value[i] < v->fill_value)) continue;
+                if (!(value[i] < v->fill_value) || !isfinite(value[i])) continue;
                 v->fill_value = value[i];
                 memcpy(v->fill, raw + i * width, width);
             }
@@ -236,6 +237,7 @@ static bool open_stream(writing *w, uint32_t index) {
     const uint32_t volume[4] = {v->nx, v->ny, v->nz, w->source->count};
     memcpy(format.size, is_map ? map : volume, sizeof map);
     memcpy(format.spacing, is_map ? grid.spacing : v->spacing, sizeof format.spacing);
+    format.spacing_unsaid = v->spacing_unsaid;
     static const hs_met_type types[FILES] = {HS_MET_FLOAT, HS_MET_FLOAT, HS_MET_UCHAR, HS_MET_UCHAR,
                                              HS_MET_UCHAR};
     format.type = 1u << index == HS_RESULT_CLIPPED ? hs_result_voxels_type(w->voxels) : types[index];
@@ -247,9 +249,11 @@ static bool open_stream(writing *w, uint32_t index) {
 /* Once the first frame has told what the plugin gives. */
 static bool open_files(writing *w, uint32_t wanted) {
     if (!w->maps.frame.has_confidence) {
-        if (wanted & HS_RESULT_CONFIDENCE)
+        /* Where nothing is clipped there is nothing to be sure of. */
+        const bool unclipped = w->maps.frame.outcome == SV_NO_SURFACE;
+        if (wanted & HS_RESULT_CONFIDENCE && !unclipped)
             return hs_fail(w->err, HS_ERR_PLUGIN, "confidence: the plugin gave none for the first volume");
-        w->report->what &= ~(uint32_t)HS_RESULT_CONFIDENCE;
+        if (!(wanted & HS_RESULT_CONFIDENCE)) w->report->what &= ~(uint32_t)HS_RESULT_CONFIDENCE;
     }
     if (w->report->what & HS_RESULT_CLIPPED) {
         w->voxels = hs_result_voxels_open(w->source, w->err);

@@ -3,6 +3,7 @@
 #ifndef HS_METAIMAGE_H
 #define HS_METAIMAGE_H
 
+#include "volume/levels.h"
 #include "volume/volume.h"
 
 typedef enum {
@@ -44,7 +45,8 @@ typedef struct {
 
 /* What a 0 in the 8-bit volume means. */
 typedef enum {
-    HS_PADDING_AUTO = 0, /* zeros connected to the border are not scanned, inner ones become 1 */
+    HS_PADDING_AUTO = 0, /* zeros connected to the border are not scanned, inner ones become 1; a constant
+                            that lies outside a fan counts as 0 (levels.h) */
     HS_PADDING_NONE,     /* everything was scanned: every zero becomes 1 */
     HS_PADDING_ALL       /* every zero is not scanned */
 } hs_padding;
@@ -55,6 +57,10 @@ typedef struct {
     double window_low, window_high; /* source values that become 0 and 255; low < high, finite */
     bool has_probe;                 /* `probe` instead of what the file says or slice 0 */
     hs_probe probe;
+    bool has_spacing; /* `spacing`, mm, instead of what the file says or does not say */
+    double spacing[3];
+    const char *scanned[2]; /* MetaImage files of a map each: first scanned slice, first one behind the scan
+                               (hs_scanned_maps_apply). Range and padding are theirs then. NULL: none */
 } hs_metaimage_options;
 
 /*
@@ -79,6 +85,9 @@ void hs_metaimage_shape(const hs_metaimage *m, hs_volume *shape);
 /* True if values are mapped to 8 bit, and then what becomes 0 and 255: a window that spares a later opening
  * of the same file the search for its range. */
 bool hs_metaimage_range(const hs_metaimage *file, double *low, double *high);
+
+/* How, and what lies outside the scan. The file's. */
+const hs_levels *hs_metaimage_levels(const hs_metaimage *file);
 
 /* The next volume, which the caller frees, and what the file says about it (`fields` may be NULL). Called at
  * most hs_metaimage_volumes times; with the last one it is checked that the data ends there. */
@@ -128,5 +137,10 @@ float *hs_metaimage_load_map(const char *path, uint32_t nx, uint32_t ny, hs_erro
  * unchanged.
  */
 bool hs_scanned_maps_apply(hs_volume *volume, const char *first, const char *end, hs_error *err);
+
+/* The same in two steps: both maps, one behind the other, which the caller frees (NULL on failure), and what
+ * they do to a volume of their size. */
+double *hs_scanned_maps_load(const hs_volume *shape, const char *first, const char *end, hs_error *err);
+void hs_scanned_maps_mark(hs_volume *volume, const double *maps);
 
 #endif

@@ -74,9 +74,9 @@ hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_
     }
     d->path = path;
     d->header = header;
-    /* At most 2^31 voxels of 8 bytes in 10^5 volumes: no overflow. */
+    /* At most 2^31 voxels of 4 channels of 8 bytes in 10^5 volumes: no overflow. */
     d->voxel_bytes = (uint64_t)header->size[0] * header->size[1] * header->size[2] * header->element_bytes *
-                     header->frames;
+                     header->channels * header->frames;
     char context[1024];
     (void)snprintf(context, sizeof context, "%s:%u: ElementDataFile '%s'", DATA_ARGS(d));
     uint64_t file_bytes = 0;

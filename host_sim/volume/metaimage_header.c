@@ -77,6 +77,7 @@ static bool check_spacing(const hs_met_text *p, hs_met_header *h) {
     const hs_met_field id =
         hs_met_has(p, HS_MET_F_ELEMENT_SPACING) ? HS_MET_F_ELEMENT_SPACING : HS_MET_F_ELEMENT_SIZE;
     if (!hs_met_has(p, id)) return true;
+    h->spacing_stated = true;
     const char *text = p->fields[id].value;
     double rest;
     for (int axis = 0; axis < 3; axis++)
@@ -113,8 +114,12 @@ static bool check_encoding(const hs_met_text *p, hs_met_header *h) {
     const hs_met_value *f = p->fields;
     if (f[HS_MET_F_OBJECT_TYPE].line != 0 && strcmp(f[HS_MET_F_OBJECT_TYPE].value, "Image") != 0)
         return hs_met_bad_value(p, HS_MET_F_OBJECT_TYPE, "Image");
-    if (f[HS_MET_F_CHANNELS].line != 0 && strcmp(f[HS_MET_F_CHANNELS].value, "1") != 0)
-        return hs_met_bad_value(p, HS_MET_F_CHANNELS, "1 (gray voxels)");
+    uint64_t channels = 1;
+    const char *number = hs_met_has(p, HS_MET_F_CHANNELS) ? f[HS_MET_F_CHANNELS].value : "1";
+    if (!hs_met_unsigned(&number, &channels) || !hs_met_at_end(number) ||
+        (channels != 1 && channels != 3 && channels != 4))
+        return hs_met_bad_value(p, HS_MET_F_CHANNELS, "1 (gray voxels), or 3 or 4 that are alike");
+    h->channels = (uint32_t)channels;
     bool binary, element_msb;
     if (!hs_met_bool(p, HS_MET_F_BINARY, true, &binary)) return false;
     if (!binary) return hs_met_bad_value(p, HS_MET_F_BINARY, "True (voxels as text are not read)");
@@ -230,6 +235,7 @@ static bool read_offset(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
     return true;
 }
 
+/* ITK's and PLUS' own, whatever they know. */
 static bool is_identity(const hs_pose *pose) {
     for (int i = 0; i < 9; i++)
         if (pose->direction[i] != (i % 4 == 0)) return false;
@@ -238,8 +244,9 @@ static bool is_identity(const hs_pose *pose) {
 
 /*
  * TransformMatrix, Offset (each with its other names) and AnatomicalOrientation, of a header of `dims` (3 or
- * 4) dimensions. The matrix counts; without one the letters do. The pose is stated if the file names the
- * letters, or has a matrix and does not call its letters unknown ("???", which then must be the identity).
+ * 4) dimensions. The matrix counts; without one the letters do. The pose is stated if the file has letters
+ * alone, or a matrix that is not the identity: ITK writes the identity, and its letters RAI, for whatever
+ * says nothing.
  */
 static bool check_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
     const bool has_matrix = hs_met_has(text, HS_MET_F_TRANSFORM);
@@ -250,7 +257,7 @@ static bool check_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
     hs_pose_default(pose);
     if ((has_matrix && !read_directions(text, dims, pose)) || !read_offset(text, dims, pose)) return false;
     if (known == 0) { /* none, or "???": ITK writes that for every file of four dimensions */
-        pose->stated = has_matrix && (*letters == '\0' || !is_identity(pose));
+        pose->stated = has_matrix && !is_identity(pose);
         return true;
     }
     /* In four dimensions the fourth letter says nothing about space. */
@@ -261,14 +268,15 @@ static bool check_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
         return hs_met_bad_value(text, HS_MET_F_ANATOMICAL,
                                 "three letters, one of R L, one of A P and one of I S, or ???");
     if (!has_matrix) *pose = lettered;
-    pose->stated = true;
     hs_pose_letters(pose, own);
+    pose->stated = !has_matrix || !is_identity(pose) || strcasecmp(own, spatial) != 0;
     if (strcasecmp(own, spatial) != 0)
         for (int i = 0; i < 3; i++) pose->contradicted[i] = (char)toupper((unsigned char)spatial[i]);
     return true;
 }
 
-/* UltrasoundImageOrientation: the axis that runs "far" from the probe, or "near" to it. */
+/* UltrasoundImageOrientation: the axis that runs "far" from the probe, or "near" to it. "MFA" says nothing of
+ * a volume: PLUS writes it into all of them, whatever way was swept. */
 static bool check_probe(const hs_met_text *text, hs_probe *probe, bool *stated) {
     static const char *const kinds[3] = {"MU", "NF", "AD"};
     static const hs_probe low[3] = {HS_PROBE_LOW_X, HS_PROBE_LOW_Y, HS_PROBE_LOW_Z};
@@ -278,7 +286,7 @@ static bool check_probe(const hs_met_text *text, hs_probe *probe, bool *stated) 
     const char *value = text->fields[HS_MET_F_ULTRASOUND].value;
     const size_t count = strlen(value);
     bool seen[3] = {false};
-    if (count > 0 && strspn(value, "X") == count) return true; /* unknown */
+    if (strcmp(value, "MFA") == 0 || (count > 0 && strspn(value, "X") == count)) return true; /* unknown */
     bool ok = count == 3;
     for (int axis = 0; ok && axis < 3; axis++) {
         int kind = 0;
@@ -303,7 +311,7 @@ bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) 
          check_probe(&text, &header->probe, &header->probe_stated);
     ok = ok &&
          hs_met_kinds(&text, header->dims, header->spacing[2] != 1.0 || header->pose.origin[2] != 0.0) &&
-         hs_met_frames(&text, header->dims, header->frames, &header->fields);
+         hs_met_frames(&text, header->frames, &header->fields);
     hs_met_text_free(&text);
     return ok;
 }

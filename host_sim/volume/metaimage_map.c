@@ -63,12 +63,12 @@ static bool read_map(const char *path, const hs_volume *volume, double *map, hs_
     return true;
 }
 
-static void mark(hs_volume *volume, const double *first, const double *end) {
+void hs_scanned_maps_mark(hs_volume *volume, const double *maps) {
     const size_t pixels = (size_t)volume->nx * volume->ny;
     for (uint32_t z = 0; z < volume->nz; z++) {
         uint8_t *slice = volume->voxels + z * pixels;
         for (size_t i = 0; i < pixels; i++) {
-            const bool scanned = first[i] <= z && z < end[i];
+            const bool scanned = maps[i] <= z && z < maps[pixels + i];
             if (!scanned)
                 slice[i] = 0;
             else if (slice[i] == 0)
@@ -77,12 +77,20 @@ static void mark(hs_volume *volume, const double *first, const double *end) {
     }
 }
 
-bool hs_scanned_maps_apply(hs_volume *volume, const char *first, const char *end, hs_error *err) {
-    const size_t pixels = (size_t)volume->nx * volume->ny;
+double *hs_scanned_maps_load(const hs_volume *shape, const char *first, const char *end, hs_error *err) {
+    const size_t pixels = (size_t)shape->nx * shape->ny;
     double *maps = calloc(2 * pixels, sizeof *maps);
-    if (!maps) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for a map of %zu pixels", first, pixels);
-    const bool ok = read_map(first, volume, maps, err) && read_map(end, volume, maps + pixels, err);
-    if (ok) mark(volume, maps, maps + pixels);
+    if (!maps)
+        (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for a map of %zu pixels", first, pixels);
+    else if (read_map(first, shape, maps, err) && read_map(end, shape, maps + pixels, err))
+        return maps;
     free(maps);
-    return ok;
+    return NULL;
+}
+
+bool hs_scanned_maps_apply(hs_volume *volume, const char *first, const char *end, hs_error *err) {
+    double *maps = hs_scanned_maps_load(volume, first, end, err);
+    if (maps) hs_scanned_maps_mark(volume, maps);
+    free(maps);
+    return maps != NULL;
 }

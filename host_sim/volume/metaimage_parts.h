@@ -94,9 +94,9 @@ bool hs_met_bool(const hs_met_text *text, hs_met_field id, bool absent, bool *ou
  */
 bool hs_met_kinds(const hs_met_text *text, uint64_t dims, bool placed);
 
-/* The fields of all `count` volumes of four dimensions: *fields is the caller's to free, and NULL if the file
+/* The fields of all `count` volumes: *fields is the caller's to free, and NULL if the file
  * has none of them. Fields that are not used are skipped unseen. */
-bool hs_met_frames(const hs_met_text *text, uint64_t dims, uint32_t count, hs_frame_fields **fields);
+bool hs_met_frames(const hs_met_text *text, uint32_t count, hs_frame_fields **fields);
 
 /* A checked header. Line numbers count from 1 and are 0 for a field that is not there. */
 typedef struct {
@@ -105,7 +105,9 @@ typedef struct {
     uint32_t frames;         /* volumes: 1 if dims is 3 */
     char size_text[48];      /* "4 3 2", as DimSize says it */
     hs_frame_fields *fields; /* of every volume; NULL: the file says nothing about them */
-    double spacing[3];       /* mm */
+    double spacing[3];       /* mm; 1 if not stated */
+    bool spacing_stated;
+    uint32_t channels; /* of a voxel, 1, 3 or 4; those of grey are alike, a fourth may be anything */
     hs_pose pose;
     hs_probe probe;
     bool probe_stated; /* else it is a guess */
@@ -160,6 +162,9 @@ typedef struct hs_met_voxels hs_met_voxels;
  * receives the errors of all functions below, unless _report_to names another. NULL on failure. */
 hs_met_voxels *hs_met_voxels_open(const char *path, hs_error *err);
 void hs_met_voxels_close(hs_met_voxels *voxels); /* NULL is allowed */
+
+/* From now on NaN and -inf are values, too: of what was not scanned. */
+void hs_met_voxels_allow_gaps(hs_met_voxels *voxels);
 
 void hs_met_voxels_report_to(hs_met_voxels *voxels, hs_error *err);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Volumes from MetaImage files: their range, what becomes of their numbers, and one or all of a sequence. */
 #include "base/threads.h"
+#include "volume/levels.h"
 #include "volume/metaimage.h"
 #include "volume/metaimage_parts.h"
 #include "volume/volume.h"
@@ -10,55 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { LANES = 16 }; /* loops of a fixed length, which compilers turn into vectors */
-
-/* Widens low .. high so that it holds `count` finite numbers. */
-static void widen(const double *value, size_t count, double *low, double *high) {
-    double minimum[LANES], maximum[LANES];
-    size_t i = 0;
-    for (int k = 0; k < LANES; k++) {
-        minimum[k] = *low;
-        maximum[k] = *high;
-    }
-    for (; i + LANES <= count; i += LANES)
-        for (int k = 0; k < LANES; k++) {
-            const double v = value[i + (size_t)k];
-            minimum[k] = v < minimum[k] ? v : minimum[k];
-            maximum[k] = v > maximum[k] ? v : maximum[k];
-        }
-    for (; i < count; i++) {
-        minimum[0] = value[i] < minimum[0] ? value[i] : minimum[0];
-        maximum[0] = value[i] > maximum[0] ? value[i] : maximum[0];
-    }
-    for (int k = 0; k < LANES; k++) {
-        *low = minimum[k] < *low ? minimum[k] : *low;
-        *high = maximum[k] > *high ? maximum[k] : *high;
-    }
-}
-
-/* Levels for each half of the numbers' unit. Halved, since high - low may exceed the largest double. */
-static double scale_of(double low, double high) {
-    return 255.0 / (high * 0.5 - low * 0.5);
-}
-
-static inline int level_of(double value, double half, double scale) {
-    const double level = (value * 0.5 - half) * scale;
-    const double clamped = level < 0.0 ? 0.0 : level;
-    return (int)((clamped > 255.0 ? 255.0 : clamped) + 0.5);
-}
-
-/* low .. high becomes 0 .. 255, rounded to the nearest level; what lies beyond is clamped. */
-static void to_levels(const double *value, size_t count, double low, double high, uint8_t *out) {
-    const double half = low * 0.5, scale = scale_of(low, high);
-    size_t i = 0;
-    for (; i + LANES <= count; i += LANES) {
-        int level[LANES];
-        for (int k = 0; k < LANES; k++) level[k] = level_of(value[i + (size_t)k], half, scale);
-        for (int k = 0; k < LANES; k++) out[i + (size_t)k] = (uint8_t)level[k];
-    }
-    for (; i < count; i++) out[i] = (uint8_t)level_of(value[i], half, scale);
-}
 
 /* The level of each of `count` bit patterns of `width` bytes, 1 or 2, in this machine's order. */
 static void look_up(const uint8_t *table, const uint8_t *raw, uint32_t width, size_t count, uint8_t *out) {
@@ -76,9 +28,10 @@ struct hs_metaimage {
     hs_error *err;
     hs_met_voxels *voxels;
     const hs_met_header *header;
-    double low, high; /* what becomes 0 and 255, unless the bytes are taken as they are */
+    hs_levels levels; /* what becomes 0 and 255, unless the bytes are taken as they are */
     uint8_t
         *table; /* of types of one or two bytes that are mapped: the level of every bit pattern; else NULL */
+    double *maps;     /* of what was scanned, or NULL */
     uint32_t next;    /* the volume that comes next */
     uint32_t valid;   /* volumes whose image is one */
     uint32_t *frames; /* where those are in the file, invalid ones included */
@@ -110,33 +63,56 @@ typedef struct {
     uint64_t first; /* voxel of the file */
     size_t count;
     pthread_mutex_t lock;
-    double low, high; /* with the lock held */
+    hs_levels found; /* with the lock held */
 } search;
 
 enum { BLOCK = 8 * HS_MET_CHUNK };
 
+/* Of voxels `at` on: 1 for those between the maps of what was scanned. */
+static const uint8_t *between(const hs_metaimage *m, uint64_t at, size_t count, uint8_t *out) {
+    const uint64_t pixels = (uint64_t)m->header->size[0] * m->header->size[1];
+    if (!m->maps) return NULL;
+    for (size_t i = 0; i < count; i++) {
+        const uint64_t pixel = (at + i) % pixels, z = (at + i) / pixels;
+        out[i] = m->maps[pixel] <= (double)z && (double)z < m->maps[pixels + pixel];
+    }
+    return out;
+}
+
 static bool search_block(void *context, uint32_t block, hs_error *err) {
     search *s = context;
+    const hs_metaimage *m = s->file;
     const size_t start = (size_t)block * BLOCK, end = s->count - start < BLOCK ? s->count : start + BLOCK;
-    double low = INFINITY, high = -INFINITY;
+    hs_levels found = m->levels;
+    uint8_t scanned[HS_MET_CHUNK];
     hs_met_room room;
     for (size_t at = start; at < end; at += HS_MET_CHUNK) {
         const size_t n = chunk_of(end - at);
-        if (!hs_met_voxels_read_at(s->file->voxels, s->first + at, n, &room, err)) return false;
-        widen(room.value, n, &low, &high);
+        if (!hs_met_voxels_read_at(m->voxels, s->first + at, n, &room, err)) return false;
+        hs_levels_widen(&found, room.value, between(m, at, n, scanned), n);
     }
     pthread_mutex_lock(&s->lock);
-    widen((const double[]){low, high}, 2, &s->low, &s->high);
+    s->found.low = found.low < s->found.low ? found.low : s->found.low;
+    s->found.high = found.high > s->found.high ? found.high : s->found.high;
+    s->found.gaps |= found.gaps;
     pthread_mutex_unlock(&s->lock);
     return true;
 }
 
-#define MAX_VALUE 1e30 /* beyond stand marks and rubbish, which would leave two grey levels of a scan */
+static bool read_values(void *context, uint64_t at, size_t count, double *out, hs_error *err) {
+    const hs_metaimage *m = context;
+    hs_met_room room;
+    if (!hs_met_voxels_read_at(m->voxels, m->frames[0] * (uint64_t)volume_voxels(m->header) + at, count,
+                               &room, err))
+        return false;
+    memcpy(out, room.value, count * sizeof *out);
+    return true;
+}
 
 /* Reads all the data once for the smallest and largest value: one mapping serves the whole sequence. */
 static bool find_range(hs_metaimage *m) {
     const size_t count = volume_voxels(m->header);
-    search s = {.file = m, .count = count, .low = INFINITY, .high = -INFINITY};
+    search s = {.file = m, .count = count, .found = m->levels};
     (void)pthread_mutex_init(&s.lock, NULL);
     bool ok = true;
     for (uint32_t i = 0; ok && i < m->valid; i++) {
@@ -146,23 +122,32 @@ static bool find_range(hs_metaimage *m) {
     }
     (void)pthread_mutex_destroy(&s.lock);
     if (!ok || !reach_end(m)) return false;
-    m->low = s.low;
-    m->high = s.high;
-    if (m->low < -MAX_VALUE || m->high > MAX_VALUE)
-        return hs_fail(
-            m->err, HS_ERR_INPUT,
-            "%s:%u: ElementDataFile '%s': values are %g .. %g, expected -1e30 .. 1e30; give a window",
-            m->path, m->header->data_line, m->header->data_name, m->low, m->high);
-    if (m->low < m->high) return true;
-    return hs_fail(m->err, HS_ERR_INPUT,
-                   "%s:%u: ElementDataFile '%s': every voxel is %g: no range to map to 8 bit, give a window",
-                   m->path, m->header->data_line, m->header->data_name, m->low);
+    m->levels = s.found;
+    if (m->options.has_window) {
+        m->levels.low = m->options.window_low;
+        m->levels.high = m->options.window_high;
+    }
+    return true;
+}
+
+static bool check_range(const hs_metaimage *m) {
+    char what[512];
+    (void)snprintf(what, sizeof what, "%s:%u: ElementDataFile '%s'", m->path, m->header->data_line,
+                   m->header->data_name);
+    return hs_levels_check(&m->levels, what, m->err);
 }
 
 /* -------------------------------------------------------------------------------------------- a volume -- */
 
+/* 8 bits stay as they are; of those with a constant outside, that becomes 0 and a 0 becomes 1. */
 static bool takes_bytes(const hs_metaimage *m) {
-    return m->header->type == HS_MET_UCHAR && !m->options.has_window;
+    return m->header->type == HS_MET_UCHAR && !m->options.has_window && !m->levels.has_outside;
+}
+
+/* What the range of the values must be found for, or whether some are no numbers. */
+static bool needs_search(const hs_metaimage *m) {
+    const hs_met_type type = m->header->type;
+    return type == HS_MET_FLOAT || type == HS_MET_DOUBLE || (!m->options.has_window && type != HS_MET_UCHAR);
 }
 
 /* There are few values of one or two bytes: each is mapped once. */
@@ -181,7 +166,7 @@ static bool make_table(hs_metaimage *m) {
             if (width == 2) memcpy(raw + 2 * (size_t)i, &pattern, sizeof pattern);
         }
         hs_met_decode(m->header->type, raw, 256, value);
-        to_levels(value, 256, m->low, m->high, m->table + first);
+        hs_levels_of(&m->levels, value, 256, m->table + first);
     }
     return true;
 }
@@ -204,7 +189,7 @@ static bool read_mapped(const reading *r, size_t first, size_t count, uint8_t *o
         if (m->table)
             look_up(m->table, room.raw, m->header->element_bytes, n, out + at);
         else
-            to_levels(room.value, n, m->low, m->high, out + at);
+            hs_levels_of(&m->levels, room.value, n, out + at);
     }
     return true;
 }
@@ -221,7 +206,9 @@ static bool read_piece(void *context, size_t first, size_t count, uint8_t *out, 
 void hs_metaimage_shape(const hs_metaimage *m, hs_volume *shape) {
     const hs_met_header *h = m->header;
     *shape = (hs_volume){.nx = h->size[0], .ny = h->size[1], .nz = h->size[2], .pose = h->pose};
-    memcpy(shape->spacing, h->spacing, sizeof h->spacing);
+    const bool given = m->options.has_spacing;
+    memcpy(shape->spacing, given ? m->options.spacing : h->spacing, sizeof h->spacing);
+    shape->spacing_unsaid = !given && !h->spacing_stated;
     if (m->options.has_probe || h->probe_stated)
         hs_volume_scanned_from(shape, m->options.has_probe ? m->options.probe : h->probe);
     const char *slash = strrchr(m->path, '/');
@@ -254,6 +241,7 @@ static bool start(hs_metaimage *m) {
     m->voxels = hs_met_voxels_open(m->path, m->err);
     if (!m->voxels) return false;
     m->header = hs_met_voxels_header(m->voxels);
+    hs_met_voxels_allow_gaps(m->voxels);
     m->frames = calloc(m->header->frames, sizeof *m->frames);
     if (!m->frames)
         return hs_fail(m->err, HS_ERR_MEMORY, "%s: no memory for %u volumes", m->path, m->header->frames);
@@ -261,14 +249,21 @@ static bool start(hs_metaimage *m) {
         if (!is_invalid(m->header, frame)) m->frames[m->valid++] = frame;
     if (m->valid == 0)
         return hs_fail(m->err, HS_ERR_INPUT, "%s: ImageStatus is INVALID for every volume", m->path);
-    m->low = m->options.window_low;
-    m->high = m->options.window_high;
+    if (m->options.scanned[0]) {
+        hs_volume shape;
+        hs_metaimage_shape(m, &shape);
+        m->maps = hs_scanned_maps_load(&shape, m->options.scanned[0], m->options.scanned[1], m->err);
+        if (!m->maps) return false;
+    }
+    hs_levels_begin(&m->levels);
+    const bool plain = m->header->type == HS_MET_UCHAR && !m->options.has_window;
+    if (m->options.padding == HS_PADDING_AUTO && !m->maps &&
+        !hs_levels_find_outside(&m->levels, m->header->size, plain, read_values, m, m->err))
+        return false;
     if (takes_bytes(m)) return true;
-    if (!m->options.has_window && !find_range(m)) return false;
-    if (!isfinite(scale_of(m->low, m->high)))
-        return hs_fail(m->err, HS_ERR_INPUT, "%s: %g .. %g is too narrow a range to map to 8 bit", m->path,
-                       m->low, m->high);
-    return make_table(m);
+    m->levels.low = plain ? 0.0 : m->options.has_window ? m->options.window_low : m->levels.low;
+    m->levels.high = plain ? 255.0 : m->options.has_window ? m->options.window_high : m->levels.high;
+    return (!needs_search(m) || find_range(m)) && check_range(m) && make_table(m);
 }
 
 hs_metaimage *hs_metaimage_open(const char *path, const hs_metaimage_options *opt, hs_error *err) {
@@ -295,9 +290,13 @@ uint32_t hs_metaimage_left_out(const hs_metaimage *file) {
 }
 
 bool hs_metaimage_range(const hs_metaimage *file, double *low, double *high) {
-    *low = file->low;
-    *high = file->high;
+    *low = file->levels.low;
+    *high = file->levels.high;
     return !takes_bytes(file);
+}
+
+const hs_levels *hs_metaimage_levels(const hs_metaimage *file) {
+    return &file->levels;
 }
 
 const hs_frame_fields *hs_metaimage_fields(const hs_metaimage *file, uint32_t index) {
@@ -308,9 +307,11 @@ const hs_frame_fields *hs_metaimage_fields(const hs_metaimage *file, uint32_t in
 static bool fill(hs_metaimage *m, uint32_t index, hs_volume *out) {
     reading r = {.file = m, .first = (uint64_t)m->frames[index] * hs_volume_count(out)};
     const uint32_t threads = hs_met_voxels_threads(m->voxels);
-    const bool ok = m->options.padding == HS_PADDING_AUTO
+    /* Of values that are no numbers the file says itself what was not scanned: no zero is a guess. */
+    const bool ok = m->options.padding == HS_PADDING_AUTO && !m->levels.gaps && !m->maps
                         ? hs_volume_fill_marked(out, threads, read_piece, &r, m->err)
                         : hs_volume_fill(out, threads, read_piece, &r, m->err);
+    if (ok && m->maps) hs_scanned_maps_mark(out, m->maps);
     return ok && (index + 1 < m->valid || reach_end(m));
 }
 
@@ -341,6 +342,7 @@ void hs_metaimage_close(hs_metaimage *file) {
     hs_met_voxels_close(file->voxels);
     free(file->frames);
     free(file->table);
+    free(file->maps);
     free(file);
 }
 

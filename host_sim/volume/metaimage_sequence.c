@@ -25,11 +25,22 @@ static bool is_one_of(const char *word, size_t length, const char *a, const char
            (length == strlen(b) && memcmp(word, b, length) == 0);
 }
 
+static bool is_of_one_frame(const hs_met_text *text) {
+    static const char first[] = "Seq_Frame0000_";
+    for (size_t i = 0; i < text->frame_count; i++)
+        if (strncmp(text->frames[i].name, first, sizeof first - 1) != 0) return false;
+    return true;
+}
+
 bool hs_met_kinds(const hs_met_text *text, uint64_t dims, bool placed) {
-    /* Older programs write no Kinds, but only sequences have fields of their frames. */
-    if (dims == 3 && text->frame_count > 0) return hs_met_wrong(text, &text->frames[0], pictures);
-    if (!hs_met_has(text, HS_MET_F_KINDS)) return true;
-    const char *value = text->fields[HS_MET_F_KINDS].value;
+    /* Older programs write no Kinds, but only sequences have fields of their frames. A volume that PLUS
+     * reconstructed has Kinds, and fields of one frame: itself. */
+    const bool has_kinds = hs_met_has(text, HS_MET_F_KINDS);
+    const char *value = has_kinds ? text->fields[HS_MET_F_KINDS].value : "";
+    const bool framed = dims == 3 && text->frame_count > 0;
+    if (framed && (!has_kinds || !is_of_one_frame(text)))
+        return hs_met_wrong(text, &text->frames[0], pictures);
+    if (!has_kinds) return true;
     uint64_t spatial = 0;
     size_t length;
     const char *word = next_word(&value, &length);
@@ -38,6 +49,8 @@ bool hs_met_kinds(const hs_met_text *text, uint64_t dims, bool placed) {
     if (timed) (void)next_word(&value, &length);
     if (length == 0 && !timed && dims == 3 && spatial == 3) return true;
     if (length == 0 && timed && dims == 4 && spatial == 3) return true;
+    if (length == 0 && timed && dims == 3 && spatial == 2 && framed)
+        return hs_met_wrong(text, &text->frames[0], pictures);
     if (length == 0 && timed && dims == 3 && spatial == 2)
         return placed || hs_met_wrong(text, &text->fields[HS_MET_F_KINDS], pictures);
     return hs_met_bad_value(text, HS_MET_F_KINDS,
@@ -144,9 +157,9 @@ static bool no_field_twice(const hs_met_text *text) {
                               text->path, second->line, name, first->line);
 }
 
-bool hs_met_frames(const hs_met_text *text, uint64_t dims, uint32_t count, hs_frame_fields **fields) {
+bool hs_met_frames(const hs_met_text *text, uint32_t count, hs_frame_fields **fields) {
     *fields = NULL;
-    if (dims != 4 || text->frame_count == 0) return true;
+    if (text->frame_count == 0) return true;
     if (!no_field_twice(text)) return false;
     *fields = calloc(count, sizeof **fields);
     if (!*fields) return hs_fail(text->err, HS_ERR_MEMORY, "%s: no memory for %u volumes", text->path, count);

@@ -128,10 +128,13 @@ static bool write_header(hs_output_file *out, const hs_metaimage_stream *s, uint
     (void)fprintf(f, "CompressedData = %s\n", a->compress ? "True" : "False");
     if (a->compress) (void)fprintf(f, "CompressedDataSize = %-20" PRIu64 "\n", compressed);
     write_pose(f, s);
-    (void)fprintf(f, "ElementSpacing =");
-    for (uint32_t axis = 0; axis < a->dims; axis++)
-        (void)fprintf(f, " %.17g", axis < 3 ? a->spacing[axis] : 1.0);
-    (void)fprintf(f, "\nDimSize =");
+    if (!a->spacing_unsaid) {
+        (void)fprintf(f, "ElementSpacing =");
+        for (uint32_t axis = 0; axis < a->dims; axis++)
+            (void)fprintf(f, " %.17g", axis < 3 ? a->spacing[axis] : 1.0);
+        (void)fprintf(f, "\n");
+    }
+    (void)fprintf(f, "DimSize =");
     for (uint32_t axis = 0; axis < a->dims; axis++) (void)fprintf(f, " %" PRIu32, a->size[axis]);
     (void)fprintf(f, "\n");
     if (a->dims == 4) write_fields(f, s);

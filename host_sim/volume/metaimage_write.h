@@ -12,6 +12,7 @@ typedef struct {
     uint32_t dims;       /* 2, 3, or 4: a sequence of size[3] volumes */
     uint32_t size[4];    /* elements; those beyond dims are ignored */
     double spacing[3];   /* mm, > 0; the same */
+    bool spacing_unsaid; /* nobody knows it: the file does not say it either */
     const hs_pose *pose; /* of a volume or a sequence; borrowed until _open returns. NULL: the default one */
     const hs_frame_fields *fields; /* of the size[3] volumes, borrowed until the end; NULL: nothing to say */
     bool compress;                 /* zlib */

@@ -5,6 +5,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,6 +48,41 @@ void hs_volume_free(hs_volume *volume) {
 
 size_t hs_volume_count(const hs_volume *volume) {
     return (size_t)volume->nx * volume->ny * volume->nz;
+}
+
+void hs_volume_size_words(const hs_volume *v, char out[HS_SIZE_BYTES]) {
+    const int at = snprintf(out, HS_SIZE_BYTES, "%u x %u x %u voxels of ", v->nx, v->ny, v->nz);
+    if (at < 0 || at >= HS_SIZE_BYTES) return;
+    if (v->spacing_unsaid)
+        (void)snprintf(out + at, HS_SIZE_BYTES - (size_t)at, "unknown size: spacing not said");
+    else
+        (void)snprintf(out + at, HS_SIZE_BYTES - (size_t)at, "%g x %g x %g mm: %.1f x %.1f x %.1f mm",
+                       v->spacing[0], v->spacing[1], v->spacing[2], v->nx * v->spacing[0],
+                       v->ny * v->spacing[1], v->nz * v->spacing[2]);
+}
+
+#define NARROWEST 30.0 /* mm, of a prenatal scan at its widest */
+#define WIDEST    400.0
+
+bool hs_volume_doubt(const hs_volume *v, char out[HS_DOUBT_BYTES]) {
+    static const struct {
+        const char *name;
+        double mm;
+    } units[] = {{"metres", 1e3}, {"centimetres", 10.0}, {"micrometres", 1e-3}, {"nanometres", 1e-6}};
+    const double wide = fmax(v->nx * v->spacing[0], fmax(v->ny * v->spacing[1], v->nz * v->spacing[2]));
+    const char *unit = NULL;
+    if (v->spacing_unsaid)
+        return snprintf(
+                   out, HS_DOUBT_BYTES,
+                   "The file does not say how far apart its voxels are: no length is known, and all sides "
+                   "count as equal. --spacing X,Y,Z says it (mm).") > 0;
+    if (v->beams || (wide >= NARROWEST && wide <= WIDEST)) return false;
+    for (size_t i = 0; i < sizeof units / sizeof *units && !unit; i++)
+        if (wide * units[i].mm >= NARROWEST && wide * units[i].mm <= WIDEST) unit = units[i].name;
+    (void)snprintf(out, HS_DOUBT_BYTES,
+                   "The volume is %.3g mm wide: is its spacing %s%s? --spacing X,Y,Z says it (mm).", wide,
+                   unit ? "in " : "right", unit ? unit : "");
+    return true;
 }
 
 /* ---------------------------------------------------------- the Cartesian copy of probe geometry -- */

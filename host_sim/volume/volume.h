@@ -74,8 +74,9 @@ const char *hs_probe_name(hs_probe probe);
  */
 typedef struct {
     uint32_t nx, ny, nz;
-    double spacing[3]; /* mm, > 0 */
-    hs_pose pose;      /* of zeros: unknown, and seen from the probe as the default one is */
+    double spacing[3];   /* mm, > 0 */
+    bool spacing_unsaid; /* nobody said it: a voxel is 1 of an unknown unit, and its sides may differ */
+    hs_pose pose;        /* of zeros: unknown, and seen from the probe as the default one is */
     hs_probe probe;
     double
         probe_turn[9]; /* row-major: the probe's axes (x along its array, z along the beams) in those of who
@@ -96,6 +97,15 @@ void hs_volume_scanned_from(hs_volume *volume, hs_probe probe);
 
 /* Frees the voxels and the beams, and zeroes the struct. Safe on a zeroed struct. */
 void hs_volume_free(hs_volume *volume);
+
+enum { HS_SIZE_BYTES = 200, HS_DOUBT_BYTES = 200 };
+
+/* "96 x 96 x 48 voxels of 1.25 x 1.25 x 2.5 mm: 120.0 x 120.0 x 120.0 mm", or that the file does not say. */
+void hs_volume_size_words(const hs_volume *volume, char out[HS_SIZE_BYTES]);
+
+/* True if a volume is as large as no prenatal scan, 30 to 400 mm at its widest, or its size is not known:
+ * then *out says so, and what to do. "The volume is 0.12 mm wide: is its spacing in metres? ..." */
+bool hs_volume_doubt(const hs_volume *volume, char out[HS_DOUBT_BYTES]);
 
 /* Number of voxels. */
 size_t hs_volume_count(const hs_volume *volume);

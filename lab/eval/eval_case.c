@@ -80,17 +80,20 @@ static bool check_scanned(const hs_volume *full, const hs_volume *label, char pa
 }
 
 /* The volume that the plugin gets; with maps, what they call unscanned is 0. */
-static bool open_full(hs_eval_source *s, char part[PARTS][PATH_MAX], bool ranged, hs_error *err) {
-    const hs_source_files how = {.scanned = {ranged ? part[FIRST] : NULL, ranged ? part[END] : NULL}};
+static bool open_full(hs_eval_source *s, char part[PARTS][PATH_MAX], bool ranged,
+                      const hs_metaimage_options *read, hs_error *err) {
+    const hs_source_files how = {.metaimage = *read,
+                                 .scanned = {ranged ? part[FIRST] : NULL, ranged ? part[END] : NULL}};
     const char *const path = part[FULL];
     if (!hs_source_open_files(&s->source, &path, 1, &how, err)) return false;
     return s->source.count == 1 ||
            hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, expected one", path, s->source.count);
 }
 
-static bool open_files(hs_eval_source *s, const char *names, hs_error *err) {
+static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_error *err) {
     /* Labels of 0 are labels: no zero is raised. */
     static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
+    const char *const names = request->name;
     char part[PARTS][PATH_MAX];
     const int parts = split(names, part);
     if (parts == 0)
@@ -98,10 +101,12 @@ static bool open_files(hs_eval_source *s, const char *names, hs_error *err) {
                        "'%s': expected three files, FULL,TRUTH,LABEL, or five, FULL,TRUTH,LABEL,FIRST,END",
                        names);
     const bool ranged = parts == PARTS;
-    if (!open_full(s, part, ranged, err)) return false;
+    if (!open_full(s, part, ranged, &request->read, err)) return false;
     const hs_volume *volume = hs_source_volume(&s->source, 0);
     const bool read = ranged ? hs_metaimage_read(part[TRUTH], &as_it_is, &s->given_truth, err)
                              : hs_volume_file_read(part[TRUTH], &s->given_truth, err);
+    if (read && request->read.has_spacing)
+        memcpy(s->given_truth.spacing, request->read.spacing, sizeof request->read.spacing);
     if (!read || !check_truth(volume, &s->given_truth, part[TRUTH], err) ||
         !hs_metaimage_read(part[LABEL], &as_it_is, &s->given_label, err) ||
         !check_label(volume, &s->given_label, part[LABEL], err))
@@ -127,7 +132,7 @@ static bool open_scene(hs_eval_source *s, const hs_eval_request *request, hs_err
 bool hs_eval_source_open(hs_eval_source *source, const hs_eval_request *request, hs_error *err) {
     *source = (hs_eval_source){0};
     const bool files = strchr(request->name, ',') != NULL;
-    if (files ? open_files(source, request->name, err) : open_scene(source, request, err)) return true;
+    if (files ? open_files(source, request, err) : open_scene(source, request, err)) return true;
     hs_eval_source_close(source);
     return false;
 }

@@ -18,10 +18,11 @@ typedef struct {
      * maps of what was scanned of every ray (hs_scanned_maps_apply) with FIRST <= END; a ray with a label has
      * FIRST < END. Without them the zeros of FULL tell, as HS_PADDING_AUTO reads them. */
     const char *name;
-    uint32_t size;    /* voxels per axis of a scene */
-    uint32_t lowres;  /* pixels of the map per axis; 0: hs_loop_lowres */
-    uint64_t seed;    /* of a scene; 0: its own */
-    const char *real; /* the volume of the scene "real"; not read for others */
+    uint32_t size;             /* voxels per axis of a scene */
+    uint32_t lowres;           /* pixels of the map per axis; 0: hs_loop_lowres */
+    uint64_t seed;             /* of a scene; 0: its own */
+    const char *real;          /* the volume of the scene "real"; not read for others */
+    hs_metaimage_options read; /* how FULL and TRUTH are read */
 } hs_eval_request;
 
 /* A volume with its ground truth and label map. Owned by the caller; must not move while open. */

@@ -78,7 +78,8 @@ bool hs_eval_compare_measure(hs_eval_comparison *x, uint32_t index, uint32_t see
                                      .size = o->size,
                                      .lowres = o->lowres,
                                      .seed = o->seed + (uint64_t)SEED_STEP * seed,
-                                     .real = o->real};
+                                     .real = o->real,
+                                     .read = o->read};
     if (!hs_eval_case_open(c, &x->cl, &x->method[0].plugin, &x->method[0].values, &request, err))
         return false;
     hs_measures unclipped;

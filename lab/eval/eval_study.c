@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_study.h"
 
+#include "base/text.h"
 #include "guarded/guarded.h"
 #include "plugin/loader_param.h"
 
@@ -277,13 +278,21 @@ bool hs_eval_study_close(hs_eval_study *study, hs_error *err) {
 
 static hs_eval_request request_of(const hs_eval_study *study, uint32_t index) {
     const hs_eval_options *o = study->options;
-    return (hs_eval_request){
-        .name = o->cases[index], .size = o->size, .lowres = o->lowres, .seed = o->seed, .real = o->real};
+    return (hs_eval_request){.name = o->cases[index],
+                             .size = o->size,
+                             .lowres = o->lowres,
+                             .seed = o->seed,
+                             .real = o->real,
+                             .read = o->read};
 }
 
 bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
     const hs_eval_request request = request_of(study, index);
-    return hs_eval_case_open(c, &study->cl, &study->plugin, &study->plan.base, &request, err);
+    char doubt[HS_DOUBT_BYTES];
+    if (!hs_eval_case_open(c, &study->cl, &study->plugin, &study->plan.base, &request, err)) return false;
+    const hs_volume *volume = hs_source_shape(&c->from.source);
+    if (hs_volume_doubt(volume, doubt)) hs_print(stderr, "%s: %s\n", volume->name, doubt);
+    return true;
 }
 
 bool hs_eval_study_values(const hs_eval_study *study, hs_eval_setting setting, hs_eval_values *values,

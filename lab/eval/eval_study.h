@@ -30,10 +30,11 @@ typedef struct {
     uint32_t set_count;
     uint32_t size, lowres;
     uint64_t seed;
-    const char *real;   /* the volume of the scene "real"; NULL: none */
-    const char *beside; /* see hs_eval_beside_open */
-    bool coarse;        /* a fifth of the positions on every axis */
-    bool merge;         /* computes nothing: the shards' files must make the spaces whole */
+    const char *real;          /* the volume of the scene "real"; NULL: none */
+    hs_metaimage_options read; /* how files are read */
+    const char *beside;        /* see hs_eval_beside_open */
+    bool coarse;               /* a fifth of the positions on every axis */
+    bool merge;                /* computes nothing: the shards' files must make the spaces whole */
     hs_eval_shard shard;
     uint32_t check;                         /* settings to measure the direct way, too */
     uint32_t frames;                        /* of a measurement of speed; 0: none */

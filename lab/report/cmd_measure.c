@@ -4,6 +4,7 @@
 
 #include "base/cli.h"
 #include "base/options.h"
+#include "loop/source_options.h"
 #include "volume/metaimage.h"
 
 #include <jansson.h>
@@ -26,6 +27,7 @@ static const hs_option options[] = {
      HS_OPTION_TEXT, AT(name), 0, 0, NULL},
     {"real", "FILE", "the volume of the scene 'real'\n", HS_OPTION_TEXT, AT(real), 0, 0, NULL},
     {"size", "N", "voxels per axis of a scene, 32 .. 512 [384]\n", HS_OPTION_COUNT, AT(size), 32, 512, NULL},
+    HS_SOURCE_ROWS(AT(read)),
     {"lowres", "N", "pixels per axis of the maps [as in run: 128 of 384]\n", HS_OPTION_COUNT, AT(lowres), 8,
      1024, NULL},
     {"seed", "N", "seed of the scene; 0 is its own [0]\n", HS_OPTION_WHOLE, AT(seed), 0, 0, NULL},

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "commands/look_line.h"
 #include "guarded/guard_options.h"
+#include "loop/source_options.h"
 #include "scene/scene.h"
 
 #include <stdio.h>
@@ -84,6 +85,7 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_real},
     {"size", "N", "voxels per axis of the scenes, 32 .. 512 [384]\n", HS_OPTION_COUNT, AT(size), 32, 512,
      NULL},
+    HS_SOURCE_ROWS(AT(read)),
     {"lowres", "N", "pixels per axis of the depthmap [as in run: 128 of 384]\n", HS_OPTION_COUNT, AT(lowres),
      1, 512, NULL},
     {"seed", "N", "seed of the scenes; 0 is their own [0]\n", HS_OPTION_WHOLE, AT(seed), 0, 0, NULL},

@@ -34,13 +34,15 @@ static void expect_pose(const char *lines, int dims, const char *letters, bool s
 static void the_matrix_counts_else_the_letters(void **state) {
     (void)state;
     expect_pose("", 3, "RAI", false, "");
-    expect_pose("TransformMatrix = 1 0 0 0 1 0 0 0 1\n", 3, "RAI", true, "");
+    expect_pose("TransformMatrix = 1 0 0 0 1 0 0 0 1\n", 3, "RAI", false, "");
     expect_pose("TransformMatrix = 1 0 0 0 1 0 0 0 1\nAnatomicalOrientation = ???\n", 3, "RAI", false, "");
     expect_pose("TransformMatrix = 0 1 0 0 0 1 1 0 0\n", 3, "AIR", true, "");
     expect_pose("Rotation = -1 0 0 0 -1 0 0 0 1\n", 3, "LPI", true, "");
     expect_pose("Orientation = -1 0 0 0 -1 0 0 0 1\n", 3, "LPI", true, "");
     expect_pose("AnatomicalOrientation = lps\n", 3, "LPS", true, "");
-    expect_pose("AnatomicalOrientation = RAI\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n", 3, "RAI", true, "");
+    /* What ITK and PLUS write for whatever says nothing. */
+    expect_pose("AnatomicalOrientation = RAI\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n", 3, "RAI", false, "");
+    expect_pose("AnatomicalOrientation = RAI\n", 3, "RAI", true, "");
     expect_pose("AnatomicalOrientation = LPS\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n", 3, "RAI", true, "LPS");
     /* ITK's four dimensions, and those of programs that write three. */
     expect_pose("TransformMatrix = 0 1 0 0 0 0 1 0 1 0 0 0 0 0 0 1\nAnatomicalOrientation = ????\n", 4, "AIR",
@@ -75,9 +77,9 @@ static void the_probe_stands_where_the_near_end_is(void **state) {
     static const struct {
         const char *value;
         hs_probe probe;
-    } known[] = {{"MFA", HS_PROBE_LOW_Y},  {"UNA", HS_PROBE_HIGH_Y}, {"FMD", HS_PROBE_LOW_X},
-                 {"NMA", HS_PROBE_HIGH_X}, {"MAF", HS_PROBE_LOW_Z},  {"MAN", HS_PROBE_HIGH_Z},
-                 {"X", HS_PROBE_LOW_Z},    {"XX", HS_PROBE_LOW_Z}};
+    } known[] = {{"MFA", HS_PROBE_LOW_Z},  {"UFA", HS_PROBE_LOW_Y},  {"UNA", HS_PROBE_HIGH_Y},
+                 {"FMD", HS_PROBE_LOW_X},  {"NMA", HS_PROBE_HIGH_X}, {"MAF", HS_PROBE_LOW_Z},
+                 {"MAN", HS_PROBE_HIGH_Z}, {"X", HS_PROBE_LOW_Z},    {"XX", HS_PROBE_LOW_Z}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         char line[64];
         (void)snprintf(line, sizeof line, "UltrasoundImageOrientation = %s\n", known[i].value);

@@ -63,7 +63,7 @@ static void values_out_of_range_are_named(void **state) {
         {"ElementSpacing", "1 nan 1", "ElementSpacing is '1 nan 1'"},
         {"ElementSpacing", "1 1e999 1", "ElementSpacing is '1 1e999 1'"},
         {"ElementSpacing", "1 1", "ElementSpacing is '1 1'"},
-        {"ElementNumberOfChannels", "3", "ElementNumberOfChannels is '3', expected 1"},
+        {"ElementNumberOfChannels", "2", "ElementNumberOfChannels is '2', expected 1"},
         {"ObjectType", "Tube", "ObjectType is 'Tube', expected Image"},
         {"BinaryData", "False", "BinaryData is 'False', expected True"},
         {"BinaryData", "maybe", "BinaryData is 'maybe', expected True or False"},
@@ -226,19 +226,13 @@ static void compressed_streams_must_fit_the_header(void **state) {
     free(zeros);
 }
 
-static void voxels_that_are_no_numbers_are_named(void **state) {
+static void infinite_voxels_are_named(void **state) {
     (void)state;
     static const char text[] =
         "NDims = 3\nDimSize = 3 2 2\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
-    static const float bad[] = {NAN, INFINITY, -INFINITY};
-    static const char *const told[] = {"voxel (2, 1, 0) is 'nan', expected a finite number",
-                                       "voxel (2, 1, 0) is 'inf'", "voxel (2, 1, 0) is '-inf'"};
-    for (size_t i = 0; i < 3; i++) {
-        float data[12] = {1, 2, 3};
-        data[5] = bad[i];
-        files_write("nan.mha", text, data, sizeof data);
-        files_refused("nan.mha", told[i]);
-    }
+    float data[12] = {1, 2, 3, 0, 0, INFINITY};
+    files_write("inf.mha", text, data, sizeof data);
+    files_refused("inf.mha", "voxel (2, 1, 0) is 'inf', expected a finite number");
     const float flat[12] = {0};
     files_write("flat.mha", text, flat, sizeof flat);
     files_refused("flat.mha", "every voxel is 0: no range to map to 8 bit");
@@ -318,7 +312,7 @@ int main(void) {
         cmocka_unit_test(data_files_of_another_length_are_refused),
         cmocka_unit_test(every_damaged_byte_of_compressed_data_is_noticed),
         cmocka_unit_test(compressed_streams_must_fit_the_header),
-        cmocka_unit_test(voxels_that_are_no_numbers_are_named),
+        cmocka_unit_test(infinite_voxels_are_named),
         cmocka_unit_test(what_is_no_metaimage_is_refused),
         cmocka_unit_test(skipped_values_stay_out_of_messages),
         cmocka_unit_test(messages_stay_one_printable_line),

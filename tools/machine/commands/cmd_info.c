@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "commands/info_timing.h"
 #include "commands/run.h"
+#include "loop/source_options.h"
 #include "volume/metaimage_write.h"
 
 #include <math.h>
@@ -60,7 +61,9 @@ static void print_pose(const hs_volume *v) {
              hs_probe_name(v->probe));
 }
 
-static void print_volume(const hs_volume *v) {
+/* `from`: how values became levels; NULL: they always were. */
+static void print_volume(const hs_volume *v, const hs_levels *from) {
+    char size[HS_SIZE_BYTES], doubt[HS_DOUBT_BYTES], outside[80] = "";
     size_t levels[256];
     int low = 255, high = 0;
     count_levels(v, levels);
@@ -69,11 +72,12 @@ static void print_volume(const hs_volume *v) {
             low = level < low ? level : low;
             high = level;
         }
-    (void)printf("  %u x %u x %u voxels of %g x %g x %g mm: %.1f x %.1f x %.1f mm\n", v->nx, v->ny, v->nz,
-                 v->spacing[0], v->spacing[1], v->spacing[2], v->nx * v->spacing[0], v->ny * v->spacing[1],
-                 v->nz * v->spacing[2]);
+    hs_volume_size_words(v, size);
+    hs_print(stdout, "  %s\n", size);
+    if (hs_volume_doubt(v, doubt)) hs_print(stdout, "  %s\n", doubt);
     print_pose(v);
-    (void)printf("  %.2f %% of the voxels were not scanned", 100 * hs_unscanned_share(v));
+    if (from) hs_levels_words(from, outside, sizeof outside);
+    (void)printf("  %.2f %% of the voxels were not scanned%s", 100 * hs_unscanned_share(v), outside);
     if (high > 0)
         (void)printf("; the others hold %d .. %d\n", low, high);
     else
@@ -100,6 +104,7 @@ static void print_beams(const hs_beams *b) {
 
 typedef struct {
     hs_kretz_options kretz;
+    hs_metaimage_options read;
     const char *cartesian; /* file to write, or NULL */
     uint32_t number; /* of the volume that is asked for, from 1 on; 0: all are read, the first is told */
     bool timing, help;
@@ -119,7 +124,7 @@ static void print_kretz_volume(const char *path, const hs_volume *volume, uint32
     if (volumes > 1 && number == 0) (void)printf("  a sequence of %u volumes; the first one:\n", volumes);
     if (volumes > 1 && number > 0) (void)printf("  a sequence of %u volumes; number %u:\n", volumes, number);
     if (volume->beams) print_beams(volume->beams);
-    print_volume(volume);
+    print_volume(volume, NULL);
 }
 
 /* All volumes are read, as of MetaImage, unless one is asked for. */
@@ -153,8 +158,8 @@ static void print_sequence(uint32_t volumes, uint32_t left_out, const hs_frame_f
 }
 
 /* All volumes are read, so that a file that is damaged further on is told; the first one is described. */
-static bool print_metaimage(const char *path, hs_error *err) {
-    hs_metaimage *file = hs_metaimage_open(path, NULL, err);
+static bool print_metaimage(const char *path, const hs_metaimage_options *read, hs_error *err) {
+    hs_metaimage *file = hs_metaimage_open(path, read, err);
     hs_volume first = {0};
     hs_frame_fields said = {0}, last;
     const uint32_t volumes = file ? hs_metaimage_volumes(file) : 0;
@@ -171,21 +176,28 @@ static bool print_metaimage(const char *path, hs_error *err) {
         if (volumes > 1 || left_out > 0)
             print_sequence(volumes, left_out, &said,
                            said.has_time && last.has_time ? last.time - said.time : 0);
-        print_volume(&first);
+        print_volume(&first, hs_metaimage_levels(file));
     }
     hs_volume_free(&first);
     hs_metaimage_close(file);
     return ok;
 }
 
+static bool take_spacing(void *target, const char *text, hs_error *err) {
+    request *const r = target;
+    return strchr(text, ',') ? hs_source_take_spacing(&r->read, text, err)
+                             : hs_cli_number("--spacing", text, 0.01, 100, &r->kretz.spacing, err);
+}
+
 #define AT(field) offsetof(request, field)
 static const hs_option options[] = {
     {"mirror", NULL, "Kretz files: positive sweep angles lie at +y (default: at -y)\n", HS_OPTION_FLAG,
      AT(kretz.mirrored), 0, 0, NULL},
-    {"spacing", "MM",
-     "Kretz files: voxels of the Cartesian copy\n"
-     "(default: the samples' pitch, or a 400th of the longest side)\n",
-     HS_OPTION_NUMBER, AT(kretz.spacing), 0.01, 100, NULL},
+    {"spacing", "X,Y,Z",
+     HS_SOURCE_SPACING_HELP
+     "MM, of Kretz files: voxels of the Cartesian copy [pitch, or 1/400 of its side]\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_spacing},
+    {"probe", "FACE", HS_SOURCE_PROBE_HELP, HS_OPTION_TAKEN, AT(read), 0, 0, hs_source_take_probe},
     {"number", "N",
      "Kretz files: volume N of a sequence, 1 is the first (default: all are read, the first is told)\n",
      HS_OPTION_COUNT, AT(number), 1, 65536, NULL},
@@ -223,6 +235,10 @@ static bool check_files(const request *r, int count, char **files, hs_error *err
     for (int i = 0; option && i < count; i++)
         if (!hs_kretz_is_file(files[i]))
             return hs_fail(err, HS_ERR_USAGE, "%s: is for Kretz files, %s is none", option, files[i]);
+    for (int i = 0; (r->read.has_spacing || r->read.has_probe) && i < count; i++)
+        if (hs_kretz_is_file(files[i]))
+            return hs_fail(err, HS_ERR_USAGE, "--%s: %s says it itself",
+                           r->read.has_spacing ? "spacing" : "probe", files[i]);
     return true;
 }
 
@@ -238,7 +254,8 @@ int hs_cmd_info(int argc, char **argv) {
     if (!check_files(&r, argc - first, argv + first, &err)) return hs_cli_fail("info", &err);
     for (int i = first; i < argc; i++) {
         const char *path = argv[i];
-        const bool ok = hs_kretz_is_file(path) ? print_kretz(path, &r, &err) : print_metaimage(path, &err);
+        const bool ok =
+            hs_kretz_is_file(path) ? print_kretz(path, &r, &err) : print_metaimage(path, &r.read, &err);
         if (!ok || (r.timing && !hs_info_timing(path, &r.kretz, &err))) return hs_cli_fail("info", &err);
     }
     return HS_OK;

@@ -86,14 +86,15 @@ static json_t *describe(const hs_run *run, bool *ok) {
     hs_loop_camera(run->loop, 0, &camera);
     const double box[3] = {camera.extent, camera.extent, camera.depth_extent};
     const double lowres[3] = {box[0] / l->width, box[1] / l->height, box[2] / l->slices};
-    char plugin[200], letters[4];
+    char plugin[200], letters[4], doubt[HS_DOUBT_BYTES];
     hs_run_plugin_name(run, plugin, sizeof plugin);
     hs_pose_letters(&v->pose, letters);
     json_t *root = json_object();
     put(root, "source", hs_json_text(v->name), ok);
     put(root, "source_size", json_pack("[i, i, i]", (int)v->nx, (int)v->ny, (int)v->nz), ok);
-    put(root, "source_spacing_mm", vector(v->spacing), ok);
-    put(root, "source_size_mm", vector(size), ok);
+    put(root, "source_spacing_mm", v->spacing_unsaid ? json_null() : vector(v->spacing), ok);
+    put(root, "source_size_mm", v->spacing_unsaid ? json_null() : vector(size), ok);
+    put(root, "doubt", hs_volume_doubt(v, doubt) ? json_string(doubt) : json_null(), ok);
     put(root, "source_origin_mm", vector(v->pose.origin), ok);
     put(root, "source_orientation", v->pose.stated ? json_string(letters) : json_null(), ok);
     put(root, "probe", json_string(hs_probe_name(v->probe)), ok);

@@ -5,6 +5,7 @@
 #include "base/cli.h"
 #include "base/options.h"
 #include "commands/look_line.h"
+#include "loop/source_options.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -29,14 +30,11 @@ static bool take_padding(void *target, const char *text, hs_error *err) {
     return (line->padding_given = true);
 }
 
-static bool take_probe(void *target, const char *text, hs_error *err) {
-    const char *names[HS_PROBE_COUNT];
-    hs_metaimage_options *const read = target;
-    uint32_t index = 0;
-    for (int i = 0; i < HS_PROBE_COUNT; i++) names[i] = hs_probe_name((hs_probe)i);
-    if (!hs_cli_select("--probe", text, names, HS_PROBE_COUNT, &index, err)) return false;
-    read->probe = (hs_probe)index;
-    return (read->has_probe = true);
+/* Three numbers say how far apart the voxels of a MetaImage are, one how far those of a Kretz file's copy. */
+static bool take_spacing(void *target, const char *text, hs_error *err) {
+    hs_run_request *const r = target;
+    return strchr(text, ',') ? hs_source_take_spacing(&r->read, text, err)
+                             : hs_cli_number("--spacing", text, 0.01, 100, &r->kretz.spacing, err);
 }
 
 /* The request points to both paths: into the copy of the first one, and into `text`. */
@@ -118,9 +116,7 @@ static const hs_option options[] = {
     {"padding", "MODE",
      "what a 0 in FILE is: auto (not scanned if connected to the border), none, all [auto]\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_padding},
-    {"probe", "FACE",
-     "where the probe is: -z (slice 0), +z, -y, +y, -x or +x; as FILE says, or -z [FILE's]\n",
-     HS_OPTION_TAKEN, AT(read), 0, 0, take_probe},
+    {"probe", "FACE", HS_SOURCE_PROBE_HELP, HS_OPTION_TAKEN, AT(read), 0, 0, hs_source_take_probe},
     {"scanned", "FIRST,END",
      "two maps (MetaImage, a whole number a ray): the first scanned slice, and the first one\n"
      "behind the scan; takes the place of --padding\n",
@@ -130,8 +126,10 @@ static const hs_option options[] = {
      AT(read), 0, 0, take_window},
     {"mirror", NULL, "of a Kretz file: positive sweep angles at +y [at -y]; the file does not say\n",
      HS_OPTION_FLAG, AT(kretz.mirrored), 0, 0, NULL},
-    {"spacing", "MM", "of a Kretz file: voxels of its Cartesian copy [pitch, or 1/400 of its side]\n",
-     HS_OPTION_NUMBER, AT(kretz.spacing), 0.01, 100, NULL},
+    {"spacing", "X,Y,Z",
+     HS_SOURCE_SPACING_HELP
+     "MM, of a Kretz file: voxels of its Cartesian copy [pitch, or 1/400 of its side]\n",
+     HS_OPTION_TAKEN, LINE(request), 0, 0, take_spacing},
     {"scene", "NAME|FILE", "a built-in scene (see 'host_sim scenes') or a scene file\n", HS_OPTION_TEXT,
      AT(scene.name), 0, 0, NULL},
     {"size", "N", "voxels per axis of a scene, 32 .. 512 [256]\n", HS_OPTION_COUNT, AT(scene.size), 32, 512,
@@ -249,6 +247,8 @@ static bool check_source(const hs_run_line *line, hs_error *err) {
     if (r->scanned.first && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--scanned %s,%s: is for --volume; a scene has its own fan",
                        line->scanned, r->scanned.end);
+    if (r->read.has_spacing && r->volume_count == 0)
+        return hs_fail(err, HS_ERR_USAGE, "--spacing: is for --volume; a scene has its own");
     if (r->read.has_probe && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
                        hs_probe_name(r->read.probe));

@@ -22,12 +22,14 @@ static void print_facts(const hs_run *run, FILE *out) {
     const hs_slab_layout *l = hs_loop_layout(run->loop);
     char plugin[200];
     hs_run_plugin_name(run, plugin, sizeof plugin);
-    hs_print(out, "Source   %s: %u x %u x %u voxels of %.3g x %.3g x %.3g mm, %.1f %% not scanned", v->name,
-             v->nx, v->ny, v->nz, v->spacing[0], v->spacing[1], v->spacing[2], 100 * run->unscanned);
+    char size[HS_SIZE_BYTES], doubt[HS_DOUBT_BYTES];
+    hs_volume_size_words(v, size);
+    hs_print(out, "Source   %s: %s, %.1f %% not scanned", v->name, size, 100 * run->unscanned);
     if (v->beams) (void)fprintf(out, "; %s", hs_beams_side_name(v->beams));
     if (run->source.count > 1) (void)fprintf(out, "; %u volumes in turn", run->source.count);
     if (run->source.left_out > 0)
         (void)fprintf(out, "; %u left out: their ImageStatus is INVALID", run->source.left_out);
+    if (hs_volume_doubt(v, doubt)) hs_print(out, "\n         %s", doubt);
     hs_print(out, "\nPlugin   %s (%s)\n", plugin, run->plugin_path);
     hs_print(out, "Device   %s; the plugin uses %s\n", run->cl.device_name,
              o->own_queue ? "a queue of its own" : "the host's queue");

@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "guarded/guard_options.h"
+#include "loop/source_options.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -47,6 +48,7 @@ static const hs_option options[] = {
      "pixels across the plugin's volume: fewer of them are quicker and cost quality [a pixel is 1 mm wide,\n"
      "no finer than the source and no coarser than three of its voxels]\n",
      HS_OPTION_COUNT, AT(shared.lowres), 1, 8192, NULL},
+    HS_SOURCE_ROWS(AT(shared.read)),
     {"stay", NULL, "goes on when the last page is closed\n", HS_OPTION_FLAG, AT(stay), 0, 0, NULL},
     HS_GUARD_ROWS(AT(shared.offers.guard)),
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},

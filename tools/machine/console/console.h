@@ -176,8 +176,9 @@ bool hs_console_files_find(const hs_console_files *files, uint32_t folder, const
 typedef struct {
     hs_console_offers offers;
     hs_console_files files;
-    const char *out; /* folder for what is written */
-    uint32_t lowres; /* hs_loop_options.lowres */
+    const char *out;           /* folder for what is written */
+    uint32_t lowres;           /* hs_loop_options.lowres */
+    hs_metaimage_options read; /* what MetaImage files do not say */
 } hs_console_shared;
 
 /* How to send to a page; may block. False: it is gone. Called from the page's thread and that of
@@ -262,7 +263,8 @@ const hs_error *hs_lane_error(const hs_lane *lane);
 typedef struct {
     const hs_console_offers *offers;
     const hs_console_files *files;
-    uint32_t lowres; /* hs_loop_options.lowres: the caller sets it */
+    uint32_t lowres;           /* hs_loop_options.lowres: the caller sets it */
+    hs_metaimage_options read; /* and how MetaImage files are read */
     hs_cl cl;
     hs_source source;
     bool has_source;
@@ -388,10 +390,11 @@ bool hs_console_make_token(char token[HS_CONSOLE_TOKEN], hs_error *err);
 /* True if the query ("t=...&...", or NULL) has this token; takes the same time wherever they differ. */
 bool hs_console_token_fits(const char *query, const char *token);
 
-/* True if the header Host (or NULL) names this server: a number and no name, or "localhost", at this port. A
- * name may be made to lead here by whoever owns it (DNS rebinding); a number may not. `loopback`: the server
- * listens on this machine only, so the number is one of its own. */
-bool hs_console_host_is_ours(const char *host, uint32_t port, bool loopback);
+/* True if the header Host (or NULL) names this server: a number and no name, or "localhost", at any
+ * port: a tunnel's or a container's may be another one. A name may be made to lead here by whoever owns it
+ * (DNS rebinding); a number may not. `loopback`: the server listens on this machine only, so the number is
+ * one of its own. */
+bool hs_console_host_is_ours(const char *host, bool loopback);
 
 /* True if the header Origin (or NULL) is that of a page which this server sent: "http://" and its Host. */
 bool hs_console_origin_is_ours(const char *origin, const char *host);

@@ -34,6 +34,10 @@ static void put_source(FILE *out, const hs_console_stage *stage) {
     } else {
         (void)fputs(" --volume ", out);
         put_word(out, stage->path[stage->path_used]);
+        if (stage->read.has_spacing)
+            (void)fprintf(out, " --spacing %.9g,%.9g,%.9g", stage->read.spacing[0], stage->read.spacing[1],
+                          stage->read.spacing[2]);
+        if (stage->read.has_probe) (void)fprintf(out, " --probe %s", hs_probe_name(stage->read.probe));
     }
     if (s->from != HS_FROM_PROBE) (void)fprintf(out, " --view %s", hs_from_name(s->from));
 }

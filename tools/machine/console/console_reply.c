@@ -235,6 +235,7 @@ static void put_directions(json_t *source, const hs_camera *camera, const hs_vol
 static json_t *source_part(const hs_console_stage *stage) {
     const hs_volume *v = hs_source_shape(&stage->source);
     const hs_slab_layout *l = hs_loop_layout(stage->lane[0].loop);
+    char doubt[HS_DOUBT_BYTES];
     hs_camera window;
     float share;
     hs_loop_window(stage->lane[0].loop, stage->index, &window, &share);
@@ -247,6 +248,8 @@ static json_t *source_part(const hs_console_stage *stage) {
                   hs_truth_shows_cut(stage->lane[0].loop, stage->screen_dvr.look, stage->index), "opened_ms",
                   stage->source_ms);
     put_directions(one, &window, v);
+    put(one, "mm", json_boolean(!v->spacing_unsaid));
+    if (hs_volume_doubt(v, doubt)) put(one, "doubt", json_string(doubt));
     return one;
 }
 

@@ -66,15 +66,13 @@ static bool is_word(const char *text, size_t length, const char *word) {
     return strlen(word) == length && strncmp(text, word, length) == 0;
 }
 
-bool hs_console_host_is_ours(const char *host, uint32_t port, bool loopback) {
+bool hs_console_host_is_ours(const char *host, bool loopback) {
     if (!host) return false;
     const char *bracket = host[0] == '[' ? strchr(host, ']') : host;
     const char *colon = bracket ? strchr(bracket, ':') : NULL;
     if (!colon) return false;
-    const size_t length = (size_t)(colon - host);
-    char expected[16];
-    (void)snprintf(expected, sizeof expected, "%u", port);
-    if (strcmp(colon + 1, expected) != 0) return false;
+    const size_t length = (size_t)(colon - host), digits = strlen(colon + 1);
+    if (digits < 1 || digits > 5 || strspn(colon + 1, "0123456789") != digits) return false;
     if (is_word(host, length, "localhost")) return true;
     if (loopback)
         return (is_ipv4(host, length) && strncmp(host, "127.", 4) == 0) || is_word(host, length, "[::1]");
@@ -209,10 +207,9 @@ static int answer_error(struct mg_connection *c, int status, const char *message
 /* Whether the request, which is whole, names this server. */
 static bool is_for_us(hs_console_server *server, const struct mg_connection *c) {
     (void)pthread_mutex_lock(&server->lock);
-    const uint32_t port = server->port;
     take_turn(server, guest_of(server, c), c);
     (void)pthread_mutex_unlock(&server->lock);
-    return hs_console_host_is_ours(mg_get_header(c, "Host"), port, server->loopback);
+    return hs_console_host_is_ours(mg_get_header(c, "Host"), server->loopback);
 }
 
 /* Every request, before anything else looks at it. 0: it goes on to the WebSocket. */

@@ -272,6 +272,7 @@ static bool open_stage(hs_console_show *show, hs_error *err) {
     show->open =
         show->open || hs_console_stage_open(&show->stage, &show->shared->offers, &show->shared->files, err);
     show->stage.lowres = show->shared->lowres;
+    show->stage.read = show->shared->read;
     return show->open;
 }
 

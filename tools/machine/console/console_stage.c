@@ -55,7 +55,8 @@ static bool open_source(hs_console_stage *stage, const hs_console_source *wanted
     if (wanted->scene[0] != '\0') return hs_source_open_scene(out, &scene, err);
     if (!hs_console_files_find(stage->files, wanted->folder, wanted->path, path, 1024, err)) return false;
     const char *const paths[1] = {path};
-    return hs_source_open_files(out, paths, 1, NULL, err);
+    const hs_source_files how = {.metaimage = stage->read};
+    return hs_source_open_files(out, paths, 1, hs_kretz_is_file(path) ? NULL : &how, err);
 }
 
 /* The one before stays until the new one is there; so does its path, which a source borrows. */

@@ -142,8 +142,8 @@ function showFigures(text) {
   rows("numbers", text.lanes.flatMap((lane, i) => laneNumbers(lane, two ? " " + "12"[i] : "")).concat([
     ["Volume", source.voxels.join(" × ") + " voxels"],
     ["Seen by the plugin", source.slabs.join(" × ") + " voxels"],
-    ["Picture", source.window_mm.toFixed(0) + " mm wide"],
-  ]));
+    ["Picture", source.window_mm.toFixed(0) + (source.mm ? " mm wide" : " voxels wide")],
+  ].concat(source.doubt ? [["Spacing", source.doubt]] : [])));
   text.lanes.forEach((lane, i) => {
     noteActivation(i, lane);
     captionOf(i === 0 ? "result" : "other", lane, two ? "12"[i] : "");

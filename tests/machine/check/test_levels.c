@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+/* What of a file was scanned, whatever lies outside; grey in several channels; sizes that are not said, or
+ * not those of a scan. */
+#include "support/metaimage_files.h"
+
+#include <math.h>
+
+enum { N = 24, COUNT = N * N * N };
+
+/* A fan that widens along z; scanned values are 20 .. 119. */
+static bool in_fan(size_t i) {
+    const double x = (double)(i % N) - 11.5, y = (double)(i / N % N) - 11.5, z = (double)(i / N / N);
+    return hypot(x, y) < 4.0 + 0.3 * z && hypot(hypot(x, y), z) < 21.0;
+}
+
+static double scanned_value(size_t i) {
+    return 20.0 + (double)(i * 37 % 100);
+}
+
+static void write_fan(const char *name, hs_met_type type, double outside, uint32_t channels, bool coloured) {
+    static uint8_t data[COUNT * 4 * 3];
+    char text[300];
+    const size_t width = hs_met_type_bytes(type);
+    (void)snprintf(text, sizeof text,
+                   "NDims = 3\nDimSize = %d %d %d\nElementType = %s\nElementNumberOfChannels = %u\n"
+                   "ElementDataFile = LOCAL\n",
+                   N, N, N, hs_met_type_name(type), channels);
+    for (size_t i = 0; i < COUNT; i++)
+        for (uint32_t c = 0; c < channels; c++) {
+            const double v = (in_fan(i) ? scanned_value(i) : outside) + (coloured && c == 1 && in_fan(i));
+            uint8_t *to = data + (i * channels + c) * width;
+            const float f = (float)v;
+            const uint16_t u = type == HS_MET_USHORT ? (uint16_t)v : 0;
+            if (type == HS_MET_FLOAT) memcpy(to, &f, sizeof f);
+            if (type == HS_MET_USHORT) memcpy(to, &u, sizeof u);
+            if (type == HS_MET_UCHAR) *to = (uint8_t)v;
+        }
+    files_write(name, text, data, COUNT * channels * width);
+}
+
+/* Levels from the scanned values alone, 1 at least; of bytes as they are. */
+static void expect_fan(const char *name, hs_met_type type) {
+    hs_volume v;
+    files_read(name, NULL, &v);
+    for (size_t i = 0; i < COUNT; i++) {
+        const double level = type == HS_MET_UCHAR
+                                 ? scanned_value(i)
+                                 : fmax(floor((scanned_value(i) - 20.0) / 99.0 * 255.0 + 0.5), 1.0);
+        if (v.voxels[i] != (in_fan(i) ? (uint8_t)level : 0))
+            fail_msg("%s: voxel %zu is %u, scanned: %d, value %g", name, i, v.voxels[i], in_fan(i),
+                     scanned_value(i));
+    }
+    hs_volume_free(&v);
+}
+
+static void whatever_lies_outside_was_not_scanned(void **state) {
+    (void)state;
+    static const struct {
+        hs_met_type type;
+        double outside;
+    } files[] = {{HS_MET_UCHAR, 0},           {HS_MET_UCHAR, 16},        {HS_MET_UCHAR, 255},
+                 {HS_MET_USHORT, 0},          {HS_MET_USHORT, 4096},     {HS_MET_FLOAT, -999},
+                 {HS_MET_FLOAT, (double)NAN}, {HS_MET_FLOAT, -INFINITY}, {HS_MET_FLOAT, 0}};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        write_fan("fan.mha", files[i].type, files[i].outside, 1, false);
+        expect_fan("fan.mha", files[i].type);
+    }
+    /* With maps of what was scanned, whatever else is in the file does not count. */
+    static uint16_t first[N * N], end[N * N];
+    char text[200];
+    (void)snprintf(text, sizeof text,
+                   "NDims = 3\nDimSize = %d %d 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n", N, N);
+    for (size_t i = 0; i < N * N; i++) {
+        for (first[i] = 0; first[i] < N && !in_fan(i + (size_t)first[i] * N * N);) first[i]++;
+        for (end[i] = first[i]; end[i] < N && in_fan(i + (size_t)end[i] * N * N);) end[i]++;
+    }
+    files_write("first.mha", text, first, sizeof first);
+    files_write("end.mha", text, end, sizeof end);
+    write_fan("fan.mha", HS_MET_FLOAT, -999, 1, false);
+    char paths[2][300];
+    (void)snprintf(paths[0], sizeof paths[0], "%s", files_path("first.mha"));
+    (void)snprintf(paths[1], sizeof paths[1], "%s", files_path("end.mha"));
+    const hs_metaimage_options maps = {.scanned = {paths[0], paths[1]}};
+    hs_volume v;
+    files_read("fan.mha", &maps, &v);
+    uint8_t high = 0;
+    for (size_t i = 0; i < COUNT; i++) {
+        assert_int_equal(v.voxels[i] > 0, in_fan(i));
+        high = v.voxels[i] > high ? v.voxels[i] : high;
+    }
+    assert_int_equal(high, 255);
+    hs_volume_free(&v);
+}
+
+/* A layer of one value is no outside, nor is a box that is all scanned. */
+static void what_was_scanned_stays(void **state) {
+    (void)state;
+    static uint8_t layers[COUNT];
+    char text[200];
+    (void)snprintf(text, sizeof text,
+                   "NDims = 3\nDimSize = %d %d %d\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", N, N,
+                   N);
+    for (size_t i = 0; i < COUNT; i++) layers[i] = i / N / N < 8 ? 100 : i / N / N < 16 ? 10 : 200;
+    files_write("layers.mha", text, layers, sizeof layers);
+    hs_volume v;
+    files_read("layers.mha", NULL, &v);
+    assert_memory_equal(v.voxels, layers, sizeof layers);
+    hs_volume_free(&v);
+}
+
+static void grey_in_channels_is_grey(void **state) {
+    (void)state;
+    for (uint32_t channels = 3; channels <= 4; channels++) {
+        write_fan("grey.mha", HS_MET_UCHAR, 0, channels, false);
+        expect_fan("grey.mha", HS_MET_UCHAR);
+        write_fan("colour.mha", HS_MET_UCHAR, 0, channels, true);
+        files_refused("colour.mha", "is in colour: its ");
+    }
+}
+
+static void a_size_is_said_or_doubted(void **state) {
+    (void)state;
+    static const struct {
+        double spacing;
+        const char *told; /* NULL: nothing */
+    } sizes[] = {{1.25, NULL},
+                 {4.16, NULL},
+                 {0.00125, "The volume is 0.12 mm wide: is its spacing in metres?"},
+                 {0.125, "is its spacing in centimetres?"},
+                 {1250, "The volume is 1.2e+05 mm wide: is its spacing in micrometres?"},
+                 {5, "is its spacing right?"}};
+    hs_volume v = {.nx = 96, .ny = 60, .nz = 48};
+    char doubt[HS_DOUBT_BYTES], size[HS_SIZE_BYTES];
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        for (int a = 0; a < 3; a++) v.spacing[a] = sizes[i].spacing;
+        assert_int_equal(hs_volume_doubt(&v, doubt), sizes[i].told != NULL);
+        if (sizes[i].told) assert_non_null(strstr(doubt, sizes[i].told));
+    }
+    const hs_metaimage_options given = {.has_spacing = true, .spacing = {1, 2, 3}};
+    hs_volume unsaid, said;
+    write_fan("fan.mha", HS_MET_UCHAR, 0, 1, false);
+    files_read("fan.mha", NULL, &unsaid);
+    files_read("fan.mha", &given, &said);
+    assert_true(unsaid.spacing_unsaid && !said.spacing_unsaid && said.spacing[1] == 2.0);
+    assert_true(hs_volume_doubt(&unsaid, doubt) && strstr(doubt, "--spacing X,Y,Z"));
+    hs_volume_size_words(&unsaid, size);
+    assert_string_equal(size, "24 x 24 x 24 voxels of unknown size: spacing not said");
+    hs_volume_free(&unsaid);
+    hs_volume_free(&said);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(whatever_lies_outside_was_not_scanned), cmocka_unit_test(what_was_scanned_stays),
+        cmocka_unit_test(grey_in_channels_is_grey), cmocka_unit_test(a_size_is_said_or_doubted)};
+    return cmocka_run_group_tests(tests, files_setup, files_teardown);
+}
