@@ -29,7 +29,7 @@ struct _cl_kernel {
 };
 struct _cl_mem {
     uint8_t *data;
-    size_t bytes;
+    size_t bytes, pitch; /* pitch: of an image */
     cl_context context;
     cl_mem_flags borrowed;
 };
@@ -212,12 +212,33 @@ cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void
     cl_mem object = make(sizeof *object, code);
     FUZZ_HOLDS(bytes > 0);
     if (!object) return NULL;
-    *object = (struct _cl_mem){memory, bytes, context, flags & CL_MEM_USE_HOST_PTR};
+    *object = (struct _cl_mem){memory, bytes, 0, context, flags & CL_MEM_USE_HOST_PTR};
     if (!object->borrowed) object->data = calloc(1, bytes);
+    if (object->data && (flags & CL_MEM_COPY_HOST_PTR)) memcpy(object->data, memory, bytes);
     if (object->data) return object;
     free(object);
     *code = CL_MEM_OBJECT_ALLOCATION_FAILURE;
     return NULL;
+}
+
+/* Of one byte a pixel, and of rows as long as the memory that it is copied from. */
+cl_mem clCreateImage(cl_context context, cl_mem_flags flags, const cl_image_format *format,
+                     const cl_image_desc *desc, void *memory, cl_int *code) {
+    (void)format;
+    FUZZ_HOLDS(desc->image_row_pitch >= desc->image_width);
+    cl_mem object = clCreateBuffer(context, flags, desc->image_row_pitch * desc->image_height, memory, code);
+    if (object) object->pitch = desc->image_row_pitch;
+    return object;
+}
+
+cl_int clEnqueueReadImage(cl_command_queue queue, cl_mem object, cl_bool blocking, const size_t *origin,
+                          const size_t *region, size_t row, size_t slice, void *to, cl_uint waits,
+                          const cl_event *list, cl_event *event) {
+    (void)queue, (void)blocking, (void)slice, (void)waits, (void)list;
+    for (size_t y = 0; y < region[1]; y++)
+        memcpy((uint8_t *)to + y * (row ? row : region[0]),
+               object->data + (origin[1] + y) * object->pitch + origin[0], region[0]);
+    return done(event);
 }
 
 cl_int clReleaseMemObject(cl_mem object) {

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A recording of any bytes, read to its end; and one whose parts are whole and hold anything, played into a
- * plugin (examples/first_edge). The input's first byte says which. Parts are written as u8 type, u16 length
- * and contents; the rest of a file is made here, for a fuzzer finds no checksums.
+ * plugin that reads all that it is promised (every_carrier.c). The input's first byte says which. What asks
+ * for much is played in a child, as sv_replay plays it, and ends within its bounds. Parts are written as u8
+ * type, u16 length and contents; the rest of a file is made here, for a fuzzer finds no checksums.
  */
 #include "fuzz/fuzz_bytes.h"
 #include "fuzz/fuzz_target.h"
 #include "fuzz/memory_file.h"
+#include "guard/child.h"
 #include "replay/replay.h"
 
 #include <dlfcn.h>
@@ -33,7 +35,7 @@ static size_t make_file(fuzz_bytes *b, uint8_t *file) {
     return size;
 }
 
-/* Reads all of it; true if what it asks for is small enough to be played. */
+/* Reads all of it; true if what it asks for is small. */
 static bool read_all(const char *path) {
     static rec_item item;
     char error[1500] = "";
@@ -56,8 +58,8 @@ static bool read_all(const char *path) {
     return small;
 }
 
-static void play(const char *path) {
-    rp_options o = {.file = path, .plugin = FUZZ_PLUGIN, .frame = RP_LAST, .out = "/nowhere"};
+static int play(void *path) {
+    rp_options o = {.file = path, .plugin = FUZZ_PLUGIN, .frame = RP_LAST, .out = "/nowhere", .seconds = 5};
     rp_report *report = calloc(1, sizeof *report);
     hs_error err = {0};
     if (!report) abort();
@@ -67,9 +69,26 @@ static void play(const char *path) {
     FUZZ_HOLDS(kept);
     hs_guard_defaults(&o.guard);
     o.guard.choice = HS_GUARD_OFF;
+    o.guard.memory_bytes = UINT64_C(256) << 20;
     if (!rp_play(&o, report, &err)) FUZZ_HOLDS(err.code != HS_OK && err.code != HS_ERR_PLUGIN && err.text[0]);
     rp_frame_free(&report->drawn);
     free(report);
+    return 0;
+}
+
+static int play_apart(int channel, void *path) {
+    (void)channel;
+    return play(path);
+}
+
+static void play_in_child(char *path) {
+    const hs_child_limits limits = {.memory_bytes = UINT64_C(1) << 30};
+    hs_child child;
+    hs_error err = {0};
+    FUZZ_HOLDS(hs_child_fork(&child, &limits, play_apart, path, &err));
+    hs_child_wait_end(&child, 60);
+    FUZZ_HOLDS(child.end.fate == HS_CHILD_LEFT && child.end.number == 0);
+    hs_child_close(&child);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
@@ -80,7 +99,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         if (!bytes) abort();
         memory_file_open(&file, bytes, make_file(&b, bytes));
         free(bytes);
-        if (read_all(file.path)) play(file.path);
+        if (read_all(file.path))
+            (void)play(file.path);
+        else
+            play_in_child(file.path);
     } else {
         memory_file_open(&file, b.at, b.left);
         (void)read_all(file.path);

@@ -98,8 +98,8 @@ static void make_call(ly_instance *i, rc_call *c, sv_status due) {
     const uint64_t handed_on = ly_now();
     c->status = forward(i->inner, c);
     c->took_ns = ly_now() - handed_on;
+    if (i->record) rec_after(i->record, c); /* what the plugin wrote, before the layer mends it */
     ly_watch_after(i, c);
-    if (i->record) rec_after(i->record, c);
     if (i->record && rec_why(i->record)[0] && !i->told_record && i->outer->log)
         i->outer->log(i->outer, SV_LOG_WARNING, rec_why(i->record));
     i->told_record = i->record && rec_why(i->record)[0];

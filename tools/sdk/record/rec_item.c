@@ -119,6 +119,12 @@ static void pass_data(rec_cursor *c, rec_item *item, uint64_t bytes, const char 
 }
 
 /* ---- the parts */
+const rec_param *rec_find_param(const rec_param *params, uint32_t count, uint32_t id) {
+    for (uint32_t i = 0; i < count; i++)
+        if (params[i].id == id) return &params[i];
+    return NULL;
+}
+
 static void pass_plugin(rec_cursor *c, rec_item *it) {
     PASS_TEXT(c, it->id);
     PASS_TEXT(c, it->name);
@@ -126,6 +132,7 @@ static void pass_plugin(rec_cursor *c, rec_item *it) {
     PASS_LIMITED(c, it->param_count, REC_MAX_VALUES);
     for (uint32_t i = 0; i < it->param_count && !c->bad; i++) {
         PASS(c, it->params[i].id);
+        if (rec_find_param(it->params, i, it->params[i].id)) fail(c, "params.id");
         PASS(c, it->params[i].flags);
         PASS_TEXT(c, it->params[i].key);
     }
@@ -140,17 +147,18 @@ static void pass_values(rec_cursor *c, rec_item *it) {
 }
 
 /* Names the field of a sound activate that every plugin refuses. */
-static const char *judge_format(const sv_format *f) {
-    return f->width == 0             ? "width"
-           : f->height == 0          ? "height"
-           : f->slices == 0          ? "slices"
-           : f->max_slab_slices == 0 ? "max_slab_slices"
-           : f->voxel_type == 0      ? "voxel_type"
-           : f->carrier == 0         ? "carrier"
-           : f->tiles_x == 0         ? "tiles_x"
-           : f->tile_w < f->width    ? "tile_w"
-           : f->tile_h < f->height   ? "tile_h"
-                                     : NULL;
+static const char *judge_format(const sv_format *f, bool host_queue) {
+    return f->width == 0                                  ? "width"
+           : f->height == 0                               ? "height"
+           : f->slices == 0                               ? "slices"
+           : f->max_slab_slices == 0                      ? "max_slab_slices"
+           : f->voxel_type == 0                           ? "voxel_type"
+           : f->carrier == 0                              ? "carrier"
+           : f->carrier != SV_CARRIER_HOST && !host_queue ? "carrier" /* objects need a queue */
+           : f->tiles_x == 0                              ? "tiles_x"
+           : f->tile_w < f->width                         ? "tile_w"
+           : f->tile_h < f->height                        ? "tile_h"
+                                                          : NULL;
 }
 
 static void pass_format(rec_cursor *c, rec_item *it) {
@@ -171,7 +179,8 @@ static void pass_format(rec_cursor *c, rec_item *it) {
     PASS(c, f->flags);
     PASS_LIMITED(c, it->host_queue, 1);
     PASS_LIMITED(c, it->registered, 1);
-    if (judge_format(f)) fail(c, judge_format(f));
+    const char *wrong = judge_format(f, it->host_queue == 1);
+    if (wrong) fail(c, wrong);
     pass_values(c, it);
 }
 

@@ -32,6 +32,9 @@ typedef struct {
     char key[64];
 } rec_param;
 
+/* The one with this id, or NULL. A recording has no id twice. */
+const rec_param *rec_find_param(const rec_param *params, uint32_t count, uint32_t id);
+
 /* One part of a recording. Pointers in the ABI's structs are NULL. */
 typedef struct {
     rec_type type;

@@ -14,6 +14,7 @@ struct rec_reader {
     char path[1024];
     uint64_t at, size; /* bytes read, bytes of the file */
     uint32_t open;     /* 1 + the kind of the call under way; 0: none */
+    bool sound, met;   /* that call is sound; the plugin has been described */
     sv_format format;  /* that is active; width 0: none */
     sv_format asked;   /* of the activate under way */
     uint32_t next;     /* the slice that the next slab begins with; NO_FRAME */
@@ -80,9 +81,13 @@ static int broken(const rec_reader *r, uint64_t at, char *error, size_t bytes, c
 static const char *judge_order(const rec_reader *r, const rec_item *item) {
     const bool active = r->format.width > 0;
     if (item->type == REC_RETURN && r->open != item->kind + 1) return "a return without its call";
+    if (item->type == REC_PLUGIN && r->met) return "a second plugin";
     if (item->type != REC_CALL) return NULL;
     if (r->open) return "a call before the return of another one";
-    if (!item->sound) return NULL;
+    if (!item->sound)
+        return item->kind == RC_DEACTIVATE && active
+                   ? "a deactivate that counts for nothing, and an activation lasts"
+                   : NULL;
     if (item->kind == RC_ACTIVATE && active) return "activate, and an activation lasts";
     if (item->kind >= RC_BEGIN && !active) return "a frame without an activation";
     if (item->kind == RC_SLAB && (item->slab.first_slice != r->next || item->slab.slice_count < 1 ||
@@ -94,10 +99,12 @@ static const char *judge_order(const rec_reader *r, const rec_item *item) {
 /* The state that what follows is read in. */
 static void follow(rec_reader *r, const rec_item *item) {
     const bool call = item->type == REC_CALL;
+    r->met |= item->type == REC_PLUGIN;
     if (!call && item->type != REC_RETURN) return;
     r->open = call ? item->kind + 1 : 0;
-    if (item->kind == RC_ACTIVATE && call) r->asked = item->sound ? item->format : (sv_format){0};
-    if (item->kind == RC_ACTIVATE && !call && item->returned >= SV_OK) r->format = r->asked;
+    if (call) r->sound = item->sound;
+    if (item->kind == RC_ACTIVATE && call && item->sound) r->asked = item->format;
+    if (item->kind == RC_ACTIVATE && !call && r->sound && item->returned >= SV_OK) r->format = r->asked;
     if (item->kind == RC_DEACTIVATE && !call) r->format = (sv_format){0};
     if (item->kind < RC_BEGIN) r->next = NO_FRAME;
     if (item->kind == RC_BEGIN && call && item->sound) r->next = 0;

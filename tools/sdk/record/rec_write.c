@@ -294,7 +294,9 @@ static void put_plugin(rec *r, const sv_plugin *p) {
     const uint32_t told = p->param_count(p);
     for (uint32_t i = 0; i < told && i < REC_MAX_VALUES; i++) {
         sv_param_info info = {.size = sizeof info};
-        if (p->param_info(p, i, &info) != SV_OK || !info.key) continue;
+        if (p->param_info(p, i, &info) != SV_OK || !info.key ||
+            rec_find_param(it->params, it->param_count, info.id))
+            continue;
         rec_param *param = &it->params[it->param_count++];
         *param = (rec_param){.id = info.id, .flags = info.flags};
         (void)snprintf(param->key, sizeof param->key, "%s", info.key);

@@ -16,10 +16,20 @@ typedef struct {
     uint32_t set_count;
     uint32_t carrier; /* SV_CARRIER_*; 0: as it was recorded */
     bool own_queue, verbose, list;
-    const char *out; /* folder for pictures of `frame`, or NULL */
-    uint32_t frame;  /* from 0; RP_LAST */
-    hs_guard_options guard;
+    double seconds;         /* that it may play, without the first activate */
+    const char *out;        /* folder for pictures of `frame`, or NULL */
+    uint32_t frame;         /* from 0; RP_LAST */
+    hs_guard_options guard; /* memory_bytes bounds what an activation takes, with a guard or without */
 } rp_options;
+
+/* replay_bounds: sets what nobody has chosen (0) of the memory and the seconds that a recording may cost. It
+ * pays for them with its bytes: a file from elsewhere asks for any format and any number of frames. */
+void rp_set_bounds(rp_options *o);
+
+/* True if an activation whose slabs have so many bytes stays within the bounds, with what the plugin says
+ * that it needs; else HS_ERR_INPUT. */
+bool rp_pays(const rp_options *o, const hs_plugin *plugin, const sv_format *format, uint64_t bytes,
+             hs_error *err);
 
 /* ------------------------------------------------------------------------------- replay_hand: the host -- */
 /* What a plugin is handed: the slabs as they were recorded, in memory or objects, and room for its results.
@@ -33,24 +43,26 @@ typedef struct {
     uint8_t *memory;  /* of all slabs of a frame */
     size_t bytes, used;
     bool guards;     /* the memory is the guard's */
-    cl_mem *objects; /* of the frame: slabs, ranges, depths */
+    cl_mem *objects; /* of the frame: ranges and slabs, at most one for each slice */
     uint32_t object_count;
     sv_scanned *ranges;
     float *depth; /* rows `row` bytes apart */
     size_t row;
     uint8_t *status;
-    cl_mem depth_object;
+    cl_mem depth_object; /* of the activation */
+    bool in_object;      /* the result under way goes there */
     sv_stats stats;
 } rp_hand;
 
-/* Chooses the way and makes the format and its memory. The recorded one is `item`'s. */
+/* Chooses the way and makes the format and its memory. The recorded one is `item`'s. The plugin is inactive.
+ * HS_ERR_INPUT if it takes more than o->guard.memory_bytes. */
 bool rp_hand_format(rp_hand *h, const rp_options *o, const rec_item *item, hs_error *err);
 bool rp_hand_frame(rp_hand *h, const rec_item *item, sv_frame *frame, hs_error *err);
 bool rp_hand_slab(rp_hand *h, const rec_item *item, sv_slab *slab, hs_error *err);
 bool rp_hand_result(rp_hand *h, const rec_item *item, sv_result *result, hs_error *err);
 /* Behind end or adjust: the queue has run, and the depths are in h->depth. */
 bool rp_hand_collect(rp_hand *h, hs_error *err);
-/* What lasts from activate to deactivate, and all of it. */
+/* What lasts from activate to deactivate, and all of it. The plugin is inactive. */
 void rp_hand_release(rp_hand *h);
 void rp_hand_close(rp_hand *h);
 

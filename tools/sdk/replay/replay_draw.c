@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define MAX_STRETCH   20.0f               /* of spacings against each other */
+#define SQUARE_VOXELS (UINT64_C(1) << 24) /* that a picture may have beside four times those of the frame */
+
 /* The recorded volume is camera-aligned already. The loop's pictures are square, so that it lies in the
  * middle of a square of `side` rays. */
 typedef struct {
@@ -28,10 +31,25 @@ static uint8_t voxel_of(const rp_frame *frame, size_t ray, uint32_t z, uint8_t v
     return value ? value : 1;
 }
 
+/* A recording may say anything: what no scan has is not drawn, for its pictures would take the memory and the
+ * time of many. */
+static bool is_drawn(const sv_format *f, uint32_t side, hs_error *err) {
+    const float *mm = f->spacing_mm;
+    const float lateral = mm[0] > mm[1] ? mm[0] : mm[1], least = mm[0] < mm[1] ? mm[0] : mm[1];
+    const uint64_t voxels = (uint64_t)f->width * f->height * f->slices;
+    if (mm[2] > 0.0f && !(lateral <= MAX_STRETCH * mm[2] && mm[2] <= MAX_STRETCH * least))
+        return hs_fail(err, HS_ERR_INPUT, "pictures: spacing_mm is %g, %g, %g: no scan is stretched so much",
+                       (double)mm[0], (double)mm[1], (double)mm[2]);
+    return (uint64_t)side * side * f->slices <= SQUARE_VOXELS + 4 * voxels ||
+           hs_fail(err, HS_ERR_INPUT, "pictures: they are square, and %u x %u rays are not nearly", f->width,
+                   f->height);
+}
+
 static bool set_up(easel *e, hs_error *err) {
     const sv_format *f = &e->frame->format;
     const size_t slice = (size_t)f->width * f->height;
     e->side = f->width > f->height ? f->width : f->height;
+    if (!is_drawn(f, e->side, err)) return false;
     e->left = (e->side - f->width) / 2;
     e->top = (e->side - f->height) / 2;
     if (!hs_volume_init(&e->volume, e->side, e->side, f->slices, err)) return false;

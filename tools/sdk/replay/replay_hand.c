@@ -3,10 +3,9 @@
 
 #include "smartvis/author_checks.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define MAX_MEMORY (UINT64_C(1) << 34) /* of a frame's slabs: more is no volume that anybody has scanned */
 
 /* The tile rows of a slab, whole. */
 static uint64_t texture_bytes(const sv_format *f, uint32_t slices) {
@@ -26,14 +25,12 @@ static bool choose_way(rp_hand *h, const rp_options *o, const rec_item *item, hs
     return hs_is_guarded(h->plugin) || h->way.own_queue || h->cl.queue || hs_cl_open_bare(&h->cl, err);
 }
 
-static bool make_memory(rp_hand *h, hs_error *err) {
+static bool make_memory(rp_hand *h, const rp_options *o, hs_error *err) {
     const sv_format *f = &h->format;
     const size_t rays = (size_t)f->width * f->height;
     /* Slabs of a slice each need most. */
     const uint64_t bytes = (uint64_t)f->slices * f->tile_h * f->row_pitch;
-    if (bytes > MAX_MEMORY)
-        return hs_fail(err, HS_ERR_INPUT, "activate: slabs of %u x %u x %u in rows of %u bytes are no scan's",
-                       f->width, f->height, f->slices, f->row_pitch);
+    if (!rp_pays(o, h->plugin, f, bytes, err)) return false;
     h->bytes = (size_t)bytes;
     h->guards = hs_is_guarded(h->plugin);
     h->memory = h->guards ? hs_guarded_memory(h->plugin, h->bytes, err) : calloc(h->bytes, 1);
@@ -52,7 +49,10 @@ bool rp_hand_format(rp_hand *h, const rp_options *o, const rec_item *item, hs_er
     f->size = sizeof *f;
     /* An image has no pitch; in memory its rows are as long as they must be. */
     if (f->row_pitch < f->tiles_x * f->tile_w) f->row_pitch = f->tiles_x * f->tile_w;
-    if (!make_memory(h, err)) return false;
+    if (!make_memory(h, o, err)) {
+        rp_hand_release(h);
+        return false;
+    }
     const bool guarded = hs_is_guarded(h->plugin);
     f->carrier = guarded ? SV_CARRIER_HOST : h->way.carrier;
     if (!guarded && !h->way.own_queue) {
@@ -70,17 +70,23 @@ bool rp_hand_format(rp_hand *h, const rp_options *o, const rec_item *item, hs_er
 static void forget_objects(rp_hand *h) {
     if (h->cl.queue) (void)clFinish(h->cl.queue);
     while (h->object_count > 0) (void)clReleaseMemObject(h->objects[--h->object_count]);
-    h->depth_object = NULL;
+}
+
+/* Keeps an object until the next frame. NULL if it was not made. */
+static cl_mem keep(rp_hand *h, cl_mem made, cl_int code, const char *call, hs_error *err) {
+    if (!hs_cl_check(code, call, err)) return NULL;
+    if (h->object_count <= h->format.slices) return h->objects[h->object_count++] = made;
+    (void)clReleaseMemObject(made);
+    (void)hs_fail(err, HS_ERR_INPUT, "a frame has more slabs than slices");
+    return NULL;
 }
 
 /* A buffer with these bytes, until the next frame. */
 static cl_mem buffer_of(rp_hand *h, const void *bytes, size_t count, hs_error *err) {
     cl_int code;
-    const cl_mem_flags flags = bytes ? CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR : CL_MEM_READ_WRITE;
-    if (h->object_count >= h->format.slices + 4) forget_objects(h);
-    const cl_mem made = clCreateBuffer(h->cl.context, flags, count, (void *)(uintptr_t)bytes, &code);
-    if (!hs_cl_check(code, "clCreateBuffer (replay)", err)) return NULL;
-    return h->objects[h->object_count++] = made;
+    const cl_mem made = clCreateBuffer(h->cl.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, count,
+                                       (void *)(uintptr_t)bytes, &code);
+    return keep(h, made, code, "clCreateBuffer (replay)", err);
 }
 
 bool rp_hand_frame(rp_hand *h, const rec_item *item, sv_frame *frame, hs_error *err) {
@@ -113,6 +119,8 @@ static uint8_t *fill_texture(rp_hand *h, const rec_item *item) {
 
 bool rp_hand_slab(rp_hand *h, const rec_item *item, sv_slab *slab, hs_error *err) {
     const sv_format *f = &h->format;
+    if (texture_bytes(f, item->slab.slice_count) > h->bytes - h->used)
+        return hs_fail(err, HS_ERR_INPUT, "a frame has more slabs than slices");
     *slab = (sv_slab){
         .size = sizeof *slab, .first_slice = item->slab.first_slice, .slice_count = item->slab.slice_count};
     uint8_t *texture = fill_texture(h, item);
@@ -127,22 +135,35 @@ bool rp_hand_slab(rp_hand *h, const rec_item *item, sv_slab *slab, hs_error *err
                                 .image_height = (size_t)(texture_bytes(f, slab->slice_count) / f->row_pitch),
                                 .image_row_pitch = f->row_pitch};
     cl_int code;
-    slab->object =
+    const cl_mem made =
         clCreateImage(f->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, &pixel, &desc, texture, &code);
-    if (!hs_cl_check(code, "clCreateImage (replay)", err)) return false;
-    h->objects[h->object_count++] = slab->object;
-    return true;
+    return (slab->object = keep(h, made, code, "clCreateImage (replay)", err)) != NULL;
+}
+
+/* An object for depths, NaN as the checking layer hands it over, which recorded this. */
+static bool make_depth_object(rp_hand *h, size_t bytes, hs_error *err) {
+    const float nothing = NAN;
+    cl_int code = CL_SUCCESS;
+    if (!h->depth_object)
+        h->depth_object = clCreateBuffer(h->cl.context, CL_MEM_READ_WRITE, bytes, NULL, &code);
+    if (code == CL_SUCCESS)
+        code = clEnqueueFillBuffer(h->format.queue, h->depth_object, &nothing, sizeof nothing, 0, bytes, 0,
+                                   NULL, NULL);
+    return hs_cl_check(code, "clCreateBuffer (replay)", err);
 }
 
 bool rp_hand_result(rp_hand *h, const rec_item *item, sv_result *result, hs_error *err) {
     const sv_format *f = &h->format;
     const size_t tight = (size_t)f->width * sizeof(float);
     const bool guarded = hs_is_guarded(h->plugin);
+    h->in_object = false;
     h->row =
         !guarded && item->depth_pitch >= tight && item->depth_pitch <= 4 * tight ? item->depth_pitch : tight;
     free(h->depth);
     h->depth = calloc(f->height + 1u, h->row + sizeof(float)); /* never none */
     if (!h->depth) return hs_fail(err, HS_ERR_MEMORY, "no memory for %u rows of depths", f->height);
+    for (size_t i = 0; i < h->row / sizeof(float) * f->height; i++) h->depth[i] = NAN;
+    if (!f->queue) memset(h->status, 0xff, (size_t)f->width * f->height);
     h->stats = (sv_stats){.size = sizeof h->stats};
     *result = (sv_result){.size = sizeof *result,
                           .depth_pitch = h->row == tight ? 0 : (uint32_t)h->row,
@@ -151,17 +172,17 @@ bool rp_hand_result(rp_hand *h, const rec_item *item, sv_result *result, hs_erro
                           .stats = item->stats ? &h->stats : NULL};
     if (item->depth != REC_OBJECT || !f->queue) return true;
     h->row = tight;
-    h->depth_object = buffer_of(h, NULL, tight * f->height, err);
     result->depth = NULL;
     result->depth_pitch = 0;
+    h->in_object = make_depth_object(h, tight * f->height, err);
     result->depth_object = h->depth_object;
-    return h->depth_object != NULL;
+    return h->in_object;
 }
 
 bool rp_hand_collect(rp_hand *h, hs_error *err) {
     if (!h->format.queue) return true;
     if (!hs_cl_check(clFinish(h->format.queue), "clFinish (replay)", err)) return false;
-    return !h->depth_object ||
+    return !h->in_object ||
            hs_cl_check(clEnqueueReadBuffer(h->format.queue, h->depth_object, CL_TRUE, 0,
                                            h->row * h->format.height, h->depth, 0, NULL, NULL),
                        "clEnqueueReadBuffer (replay)", err);
@@ -169,12 +190,16 @@ bool rp_hand_collect(rp_hand *h, hs_error *err) {
 
 void rp_hand_release(rp_hand *h) {
     if (h->objects) forget_objects(h);
+    if (h->depth_object) (void)clReleaseMemObject(h->depth_object);
     free(h->objects);
     if (!h->guards) free(h->memory);
     free(h->ranges);
     free(h->depth);
     free(h->status);
     h->objects = NULL;
+    h->depth_object = NULL;
+    h->in_object = false;
+    h->bytes = h->used = 0;
     h->memory = NULL;
     h->ranges = NULL;
     h->depth = NULL;

@@ -26,12 +26,15 @@ typedef struct {
     rec_item item; /* of the recording */
     sv_param_value sets[RP_MAX_SETS], values[REC_MAX_VALUES + RP_MAX_SETS];
     bool other, guarded; /* another plugin than the recorded one; its logs and states are not seen */
-    rec_param params[REC_MAX_VALUES];
-    uint32_t param_count;
+    struct {
+        uint32_t there, here;
+    } ids[REC_MAX_VALUES]; /* of a parameter of the recorded plugin, and of this one; 0: it has none */
+    uint32_t id_count;
     bool played; /* the call under way was made here, too */
     bool active;
     sv_status status;
-    bool has_voxels; /* the frame has them */
+    bool has_voxels;            /* the frame has them */
+    double began_ms, spared_ms; /* the first activate compiles, whatever the recording asks for */
     lines here, there;
     uint64_t frame_index;
     rp_frame frame; /* under way, if it is to be drawn */
@@ -96,12 +99,20 @@ static void compare_lines(player *p, const char *call) {
 /* ---- values */
 /* The id that a recorded parameter has here: by its key, if the plugin is another one. 0: it has none. */
 static uint32_t id_here(const player *p, uint32_t id) {
-    sv_param_info info = {.size = sizeof info};
     if (!p->other) return id;
-    for (uint32_t i = 0; i < p->param_count; i++)
-        if (p->params[i].id == id && hs_plugin_find_param(&p->plugin, p->params[i].key, &info))
-            return info.id;
+    for (uint32_t i = 0; i < p->id_count; i++)
+        if (p->ids[i].there == id) return p->ids[i].here;
     return 0;
+}
+
+/* What passes once for all values of the recording. */
+static void learn_ids(player *p) {
+    p->id_count = p->item.param_count;
+    for (uint32_t i = 0; i < p->id_count; i++) {
+        sv_param_info info = {.size = sizeof info};
+        p->ids[i].there = p->item.params[i].id;
+        p->ids[i].here = hs_plugin_find_param(&p->plugin, p->item.params[i].key, &info) ? info.id : 0;
+    }
 }
 
 static bool is_fixed(const player *p, uint32_t id) {
@@ -129,6 +140,18 @@ static uint32_t list_values(player *p, bool activating) {
 }
 
 /* ---- calls */
+/* Where the plugin has put the depth of a ray. */
+static const void *played_at(const player *p, size_t ray) {
+    const uint32_t width = p->hand.format.width;
+    return (const char *)p->hand.depth + ray / width * p->hand.row + ray % width * sizeof(float);
+}
+
+static float depth_of(const void *at) {
+    float depth;
+    memcpy(&depth, at, sizeof depth);
+    return depth;
+}
+
 static void keep_slab(player *p) {
     const rec_item *it = &p->item;
     const size_t slice = (size_t)p->frame.format.width * p->frame.format.height;
@@ -157,9 +180,10 @@ static void keep_maps(player *p) {
     p->frame.depth = malloc(rays * sizeof(float));
     p->frame.status = malloc(rays);
     if (!p->frame.depth || !p->frame.status) return;
-    for (size_t y = 0; y < f->height; y++)
-        memcpy(p->frame.depth + y * f->width, (const char *)p->hand.depth + y * p->hand.row,
-               f->width * sizeof(float));
+    for (size_t i = 0; i < rays; i++) {
+        const float depth = depth_of(played_at(p, i));
+        p->frame.depth[i] = isfinite(depth) ? depth : 0.0f; /* it is drawn */
+    }
     memcpy(p->frame.status, p->hand.status, rays);
     rp_frame_free(&p->report->drawn);
     p->report->drawn = p->frame;
@@ -172,13 +196,24 @@ static double now_ms(void) {
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
+/* The plugin's activation follows what happens here, not what was recorded: its memory is freed behind it. */
+static void end_activation(player *p) {
+    if (p->active) p->plugin.instance->deactivate(p->plugin.instance);
+    p->active = false;
+    rp_hand_release(&p->hand);
+}
+
 static bool play_activate(player *p, hs_error *err) {
     const sv_plugin *in = p->plugin.instance;
+    if (p->active) differ(p, "activate: an activation lasts here that had ended there");
+    end_activation(p);
     if (!rp_hand_format(&p->hand, p->o, &p->item, err)) return false;
     sv_format format = p->hand.format;
     format.value_count = list_values(p, true);
     format.values = format.value_count ? p->values : NULL;
+    const double start = now_ms();
     p->status = in->activate(in, &format);
+    if (p->spared_ms == 0.0) p->spared_ms = now_ms() - start;
     p->active = hs_status_is_success(p->status);
     return true;
 }
@@ -221,11 +256,11 @@ static bool play_result(player *p, hs_error *err) {
 }
 
 static bool play_call(player *p, hs_error *err) {
-    const sv_plugin *in = p->plugin.instance;
     const bool frames = p->item.kind >= RC_BEGIN;
     const double start = now_ms();
     bool ok = true;
-    p->played = p->item.sound;
+    /* A frame of an activation that was refused here alone has nobody to go to. */
+    p->played = p->item.sound && (!frames || p->active);
     p->report->left_out += !p->item.sound;
     if (!p->played) return true;
     p->here.used = p->there.used = 0;
@@ -237,8 +272,7 @@ static bool play_call(player *p, hs_error *err) {
         ok = play_activate(p, err);
         break;
     case RC_DEACTIVATE:
-        in->deactivate(in);
-        p->active = false;
+        end_activation(p);
         break;
     case RC_BEGIN:
         ok = play_begin(p, err);
@@ -258,18 +292,6 @@ static bool play_call(player *p, hs_error *err) {
 }
 
 /* ---- what came of it */
-/* Where the plugin has put the depth of a ray. */
-static const void *played_at(const player *p, size_t ray) {
-    const uint32_t width = p->hand.format.width;
-    return (const char *)p->hand.depth + ray / width * p->hand.row + ray % width * sizeof(float);
-}
-
-static float depth_of(const void *at) {
-    float depth;
-    memcpy(&depth, at, sizeof depth);
-    return depth;
-}
-
 static void compare_depths(player *p) {
     const sv_format *f = &p->hand.format;
     const size_t rays = (size_t)f->width * f->height;
@@ -328,6 +350,7 @@ static void compare_return(player *p) {
                it->reason[0] ? ": " : "", it->reason);
     else if (delivers && p->has_voxels && p->status >= SV_OK && it->returned >= SV_OK)
         compare_results(p);
+    if (it->kind == RC_ACTIVATE && it->returned < SV_OK) end_activation(p); /* no frame of it follows */
     compare_lines(p, call);
     p->played = false;
 }
@@ -338,14 +361,24 @@ static void meet_plugin(player *p) {
     (void)hs_text_escape(r->id, sizeof r->id, p->item.id, 0);
     (void)hs_text_escape(r->version, sizeof r->version, p->item.version, 0);
     p->other = strcmp(p->item.id, p->plugin.instance->descriptor->id) != 0;
-    p->param_count = p->item.param_count;
-    memcpy(p->params, p->item.params, sizeof p->params);
+    if (p->other) learn_ids(p);
+}
+
+static bool is_in_time(const player *p, hs_error *err) {
+    const double seconds = (now_ms() - p->began_ms - p->spared_ms) * 1e-3;
+    return seconds <= p->o->seconds ||
+           hs_fail(err, HS_ERR_INPUT,
+                   "%s: has been played for %.1f s, and a recording of this size may take %.1f: --seconds "
+                   "allows more",
+                   p->o->file, seconds, p->o->seconds);
 }
 
 static bool play_items(player *p, rec_reader *reader, hs_error *err) {
     char wrong[1500];
     int there;
+    p->began_ms = now_ms();
     while ((there = rec_reader_next(reader, &p->item, wrong, sizeof wrong)) == 1) {
+        if (!is_in_time(p, err)) return false;
         if (p->item.type == REC_PLUGIN) meet_plugin(p);
         if (p->item.type == REC_CALL && !play_call(p, err)) return false;
         if (p->item.type == REC_RETURN) compare_return(p);
@@ -380,7 +413,7 @@ bool rp_play(const rp_options *o, rp_report *report, hs_error *err) {
         p->plugin.hears = hear;
         p->plugin.ear = p;
         ok = parse_sets(p, err) && play_items(p, reader, err);
-        if (p->active) p->plugin.instance->deactivate(p->plugin.instance);
+        end_activation(p);
         p->plugin.hears = NULL;
         rp_hand_close(&p->hand);
         rp_frame_free(&p->frame);

@@ -40,6 +40,8 @@ static const hs_option options[] = {
      NULL},
     {"frame", "N", "which frame is drawn, 0 the first [the last]\n", HS_OPTION_COUNT, AT(frame), 0,
      4294967294.0, NULL},
+    {"seconds", "S", "that it may play, without the first activate [8, and 8 for each MB of the recording]\n",
+     HS_OPTION_NUMBER, AT(seconds), 0.1, 1e6, NULL},
     {"list", NULL, "print every call of the recording, and play none\n", HS_OPTION_FLAG, AT(list), 0, 0,
      NULL},
     {"verbose", NULL, "print what the plugin logs, and what it logged\n", HS_OPTION_FLAG, AT(verbose), 0, 0,
@@ -54,13 +56,15 @@ static void print_help(void) {
            "logs are the "
            "same bits,\nelse where they part.\n\n");
     hs_options_print(options);
-    printf("\nA library that is not the host's own is played in a process of its own; --guard plays it as "
-           "host_sim "
-           "runs it, and\nthen neither its log nor what begin and slab return can be compared.\n"
-           "\n%s1: something is not the same. A recording that is cut off is played as far as it goes, and "
-           "ends with "
-           "3.\n",
-           hs_exit_codes_help);
+    printf(
+        "\nAll of it is played in a process of its own, which may take 1 GiB, and half of one for each MB of "
+        "the recording,\nunless --guard-memory says otherwise. With --guard the plugin has another one, as "
+        "host_sim runs it: then neither\nits log nor what begin and slab return can be compared. "
+        "--no-guard: all of it in this process, for a debugger.\n\n"
+        "%s1: something is not the same. A recording that is cut off is played as far as it goes, and "
+        "ends with "
+        "3.\n",
+        hs_exit_codes_help);
 }
 
 static void print_report(const rp_options *o, const rp_report *r, bool whole) {
@@ -104,6 +108,7 @@ int main(int argc, char **argv) {
     hs_plugin_default_path(path, sizeof path);
     rp_options o = {.plugin = path, .frame = RP_LAST};
     hs_guard_defaults(&o.guard);
+    o.guard.memory_bytes = 0;
     if (argc == 2 && strcmp(argv[1], "--version") == 0) {
         printf("sv_replay %s, recordings of version %u\n", HS_VERSION, REC_VERSION);
         return HS_OK;
@@ -118,10 +123,10 @@ int main(int argc, char **argv) {
     if (ok && o.frame != RP_LAST && !o.out)
         ok = hs_fail(&err, HS_ERR_USAGE, "--frame %u: is for --out FOLDER", o.frame);
     if (ok) o.file = argv[next];
+    if (ok) rp_set_bounds(&o);
     if (ok && o.list) ok = rp_list(o.file, &err);
-    /* With --guard the plugin alone has a process of its own. */
     hs_guard_options whole = o.guard;
-    if (o.guard.choice == HS_GUARD_ON) whole.choice = HS_GUARD_OFF;
+    if (o.guard.choice == HS_GUARD_AUTO) whole.choice = HS_GUARD_ON;
     if (ok && !o.list) code = hs_work_in_child(&whole, o.plugin, "it was played to", play, &o, &err);
     if (err.code == HS_OK) return hs_cli_finish("sv_replay", code);
     hs_print(stderr, "sv_replay: %s\n", err.text);
