@@ -35,9 +35,10 @@ void hs_scene_free(hs_scene_data *data);
 double hs_scene_touched(const hs_scene_data *data);
 
 typedef enum {
-    HS_SCENES_THESIS, /* the nine cases: E01 .. E04, M01 .. M03, D01, D02 */
-    HS_SCENES_HARD,   /* H01 and on: what the nine do not have */
-    HS_SCENES_REAL,   /* "real": before a volume that is given */
+    HS_SCENES_THESIS,  /* the nine cases: E01 .. E04, M01 .. M03, D01, D02 */
+    HS_SCENES_HARD,    /* H01 and on: what the nine do not have */
+    HS_SCENES_EXAMPLE, /* a whole fetus, made to look like a real scan */
+    HS_SCENES_REAL,    /* "real": before a volume that is given */
     HS_SCENES_GROUPS
 } hs_scene_group;
 

@@ -20,6 +20,7 @@ const char *hs_scene_of_group(hs_scene_group group, uint32_t index) {
         [HS_SCENES_THESIS] = {"E01", "E02", "E03", "E04", "M01", "M02", "M03", "D01", "D02"},
         [HS_SCENES_HARD] = {"H01", "H02", "H03", "H04", "H05", "H06", "H07", "H08", "H09", "H10", "H11",
                             "H12", "H13", "H14", "H15", "H16"},
+        [HS_SCENES_EXAMPLE] = {"example"},
         [HS_SCENES_REAL] = {"real"}};
     return index < sizeof names[0] / sizeof names[0][0] ? names[group][index] : NULL;
 }

@@ -342,7 +342,7 @@ static void write_parts(hs_page *page) {
 bool hs_page_close(hs_page *page, hs_error *err) {
     hs_page_part *const parts[] = {&page->before, &page->contents, &page->after};
     if (page->has_slider) put(page, slider_script);
-    put(page, "</body>\n</html>\n");
+    put(page, "<p>SmartVis is for research. It is not a medical device.</p>\n</body>\n</html>\n");
     for (int i = 0; i < 3; i++)
         if (!part_close(parts[i]) && page->error.code == HS_OK)
             (void)hs_fail(&page->error, HS_ERR_MEMORY, "page: no memory for its text");

@@ -40,10 +40,10 @@ typedef struct {
 } demo;
 
 static void add_scenes(demo *d) {
-    static const char *const scenes[][2] = {{"D01", "A wide gap of fluid"},
+    static const char *const scenes[][2] = {{"example", "A whole fetus of twelve weeks, of our own making"},
+                                            {"D01", "A wide gap of fluid"},
                                             {"E01", "Placenta at the arm, forehead near the wall"},
-                                            {"E02", "Cord before the face"},
-                                            {"D02", "Particles at the neck"}};
+                                            {"E02", "Cord before the face"}};
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         hs_demo_case *c = &d->cases[d->case_count++];
         c->scene = scenes[i][0];

@@ -31,8 +31,10 @@ static const command commands[] = {
 };
 
 static void print_help(FILE *out) {
-    (void)fprintf(out, "Usage: host_sim COMMAND [options]\n"
-                       "Simulates the ultrasound machine around a SmartVis plugin.\n\n");
+    (void)fprintf(
+        out,
+        "Usage: host_sim COMMAND [options]\n"
+        "Simulates the ultrasound machine around a SmartVis plugin. For research, not a medical device.\n\n");
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         (void)fprintf(out, "  %-8s %s\n", commands[i].name, commands[i].what);
     (void)fprintf(

@@ -21,6 +21,7 @@ holds is debian/changelog "$(sed -n '1s/^smartvis (\([^)]*\)).*/\1/p' debian/cha
 holds is bindings/rust/Cargo.toml "$(sed -n 's/^version = "\(.*\)"$/\1/p' bindings/rust/Cargo.toml)"
 holds is python/smartvis/_version.py "$(sed -n 's/^__version__ = "\(.*\)"$/\1/p' python/smartvis/_version.py)"
 holds grep -qxF 'input = "smartvis/_version.py"' python/pyproject.toml
+holds is CITATION.cff "$(sed -n "s/^version: //p" CITATION.cff)"
 for program in host_sim sv_validate sv_replay sv_bench; do
     [ ! -e "$build/$program" ] || holds is $program "$("$build/$program" --version | sed 's/^[a-z_]* \([0-9.]*\),.*/\1/')"
 done
