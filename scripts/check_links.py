@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""check_links.py FILE...: every link of these Markdown files to a file or a heading of the project must lead there. Prints
-those that do not; exit code 1 if there is one."""
+"""check_links.py FILE...: every link of these Markdown files to a file or a heading of the project must lead there, and no sentence
+outside of tables has more than 30 words, code and numbers not counted. Prints what is wrong; exit code 1 if there is any."""
 
 import os
 import re
@@ -8,6 +8,10 @@ import sys
 
 LINK = re.compile(r"\]\(([^()\s]+)\)")
 FENCE = re.compile(r"^ *```.*?^ *```", re.MULTILINE | re.DOTALL)
+LINE_OF_CODE = re.compile(r"`[^`]*`|<!--.*?-->", re.DOTALL)
+BLOCK = re.compile(r"\n\s*\n|\n(?=\s*(?:[-*] |\d+\. |#|\||    ))")
+SENTENCE = re.compile(r"(?<=[.!?:;])[)\"*]*\s+")
+WORDS = 30
 HEADING = re.compile(r"^#+ +(.*?) *$", re.MULTILINE)
 
 
@@ -34,9 +38,20 @@ def wrong(path, link):
     return None
 
 
+def long_sentences(text):
+    """Those that nobody reads at once; of a block of text that is no table and no example."""
+    text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", LINE_OF_CODE.sub("", text))
+    for block in BLOCK.split(text):
+        if not re.match(r"    |\||#", block):
+            yield from (s for s in SENTENCE.split(block) if len(re.findall(r"[^\W\d_][\w'-]*", s)) > WORDS)
+
+
 def main():
     found = 0
     for path in sys.argv[1:]:
+        for sentence in long_sentences(text_of(path)):
+            print(f"{path}: more than {WORDS} words: {' '.join(sentence.split())}")
+            found += 1
         for link in LINK.findall(text_of(path)):
             reason = wrong(path, link)
             if reason:

@@ -272,9 +272,13 @@ static void the_page_has_the_rules(void **state) {
     page[fread(page, 1, sizeof page - 1, file)] = '\0';
     (void)fclose(file);
     for (int n = 0; n < RULE_COUNT; n++) {
-        (void)snprintf(row, sizeof row, "\n| `%s` | %s |", rules[n].id, rules[n].what);
+        /* What a plugin's rule says stands on the validator's page. */
+        if (rule_is_hosts((rule_name)n))
+            (void)snprintf(row, sizeof row, "\n| `%s` | %s |", rules[n].id, rules[n].what);
+        else
+            (void)snprintf(row, sizeof row, "`%s`", rules[n].id);
         if (rules[n].seen != (strstr(page, row) != NULL))
-            fail_msg("docs/check.md: %s%s", rules[n].seen ? "no row" : "a row", row);
+            fail_msg("docs/check.md: %s: %s", rules[n].seen ? "not there" : "there", row);
     }
 }
 
