@@ -86,7 +86,7 @@ static void compare_double(const rig_result *got, const rig_expected *e, const s
     summary->frames++;
 }
 
-void compare_frame(rig *r, const rig_textures *t, const sv_ref_volume *volume, const rig_settings *s,
+void compare_frame(rig *r, const stage *t, const sv_ref_volume *volume, const rig_settings *s,
                    const char *where, compare_summary *summary) {
     char text[512];
     (void)snprintf(
@@ -115,14 +115,14 @@ void compare_frame(rig *r, const rig_textures *t, const sv_ref_volume *volume, c
 
 void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_settings *s, const char *where,
                  compare_summary *summary) {
-    rig_textures *t = rig_textures_make(r, f, volume);
+    stage *t = rig_stage(r, f, volume);
     const sv_status status = r->plugin->activate(r->plugin, &t->format);
     if (status != SV_OK) fail_msg("%s: activate is %d: %s", where, status, r->last_log);
     const sv_ref_volume v = {volume,    f->width,   f->height,
                              f->slices, f->padding, (const sv_ref_range *)f->scanned};
     compare_frame(r, t, &v, s, where, summary);
     r->plugin->deactivate(r->plugin);
-    rig_textures_free(t);
+    rig_stage_free(t);
 }
 
 void compare_print(const char *what, const compare_summary *s) {

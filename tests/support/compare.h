@@ -19,7 +19,7 @@ typedef struct {
 /* Runs one frame of an active instance and compares; fails the test with every argument and the
  * first pixel that differs. `where` says what is being tested. With `summary`, the float64
  * definition is asked as well. */
-void compare_frame(rig *r, const rig_textures *t, const sv_ref_volume *volume, const rig_settings *settings,
+void compare_frame(rig *r, const stage *t, const sv_ref_volume *volume, const rig_settings *settings,
                    const char *where, compare_summary *summary);
 
 /* Activates for `f`, compares one frame, deactivates. */

@@ -39,7 +39,7 @@ int fixture_setup_active(void **state) {
 int fixture_teardown(void **state) {
     fixture *f = *state;
     rig_close(&f->r);
-    rig_textures_free(f->textures);
+    rig_stage_free(f->textures);
     free(f->volume);
     rig_result_free(&f->out);
     rig_result_free(&f->good);
@@ -54,8 +54,8 @@ void fixture_change(fixture *f, rig_format how) {
     how.slab_slices = FIXTURE_SLAB;
     how.padding = SV_NO_PADDING;
     f->how = how;
-    if (f->textures) rig_textures_free(f->textures);
-    f->textures = rig_textures_make(&f->r, &f->how, f->volume);
+    if (f->textures) rig_stage_free(f->textures);
+    f->textures = rig_stage(&f->r, &f->how, f->volume);
     assert_int_equal(f->textures->slab_count, FIXTURE_SLABS);
 }
 
@@ -69,7 +69,7 @@ sv_status fixture_begin(fixture *f) {
 }
 
 sv_status fixture_slab(fixture *f, uint32_t n) {
-    const sv_slab slab = rig_slab(f->textures, n);
+    const sv_slab slab = stage_slab(f->textures, n);
     return f->r.plugin->slab(f->r.plugin, &slab);
 }
 

@@ -12,9 +12,9 @@ typedef struct {
     rig r;
     rig_format how;
     uint8_t *volume;
-    rig_textures *textures; /* of FIXTURE_SLABS slabs, the last one short */
-    char reason[512];       /* last_error at fixture_keep_reason */
-    rig_result out, good;   /* good: what a frame with default values must give */
+    stage *textures;      /* of FIXTURE_SLABS slabs, the last one short */
+    char reason[512];     /* last_error at fixture_keep_reason */
+    rig_result out, good; /* good: what a frame with default values must give */
 } fixture;
 
 /* cmocka: *state is a fixture, inactive; or active with host memory and the host's queue. */

@@ -7,6 +7,7 @@
 #include "ref/ref_mean.h"
 #include "ref/ref_points.h"
 #include "smartvis_plugin.h"
+#include "stage/stage.h"
 
 #include <CL/cl.h>
 
@@ -115,34 +116,14 @@ int rig_setup(void **state);
 int rig_teardown(void **state);
 #define RIG_TEST(function) cmocka_unit_test_setup_teardown(function, rig_setup, rig_teardown)
 
-/* A volume cut into slabs as a format says: the memory or the OpenCL objects, and the ABI's format. */
-enum { RIG_MAX_SLABS = 1024 };
-typedef struct {
-    sv_format format;
-    uint8_t *memory; /* one texture after the other */
-    size_t texture_bytes;
-    uint32_t slab_count;
-    uint32_t first[RIG_MAX_SLABS], length[RIG_MAX_SLABS];
-    cl_mem objects[RIG_MAX_SLABS]; /* buffer or image of a slab; NULL with SV_CARRIER_HOST */
-    const sv_scanned *scanned;     /* rig_format's, unless they lie in the buffer: */
-    cl_mem scanned_buffer;
-    uint32_t frame_flags; /* SV_FRAME_* of the frames to come */
-    sv_param_value fixed[RIG_MAX_FIXED + 1];
-} rig_textures;
-
-/* Everything that is padding (of tiles, of the pitch, unused tiles) holds 255, the worst it could. Owned by
- * the caller. */
-rig_textures *rig_textures_make(const rig *r, const rig_format *f, const uint8_t *volume);
-void rig_textures_free(rig_textures *t);
-sv_slab rig_slab(const rig_textures *t, uint32_t n);
-
-/* The frame for begin: parameter values (borrowed), and the scanned ranges of the format. */
-sv_frame rig_begin(const rig_textures *t, const sv_param_value *values, uint32_t count);
+/* A stage of the format with this volume in it: frames without flags. Everything that is padding (of tiles,
+ * of the pitch, unused tiles) holds 255, the worst it could. Owned by the caller. */
+stage *rig_stage(const rig *r, const rig_format *f, const uint8_t *volume);
+void rig_stage_free(stage *st);
 
 /* begin, all slabs, end and, with the host's queue, clFinish. Returns the first status that is not SV_OK,
  * else the outcome in the statistics. The instance must be active with this format. */
-sv_status rig_frame(rig *r, const rig_textures *t, const sv_param_value *values, uint32_t count,
-                    rig_result *out);
+sv_status rig_frame(rig *r, const stage *st, const sv_param_value *values, uint32_t count, rig_result *out);
 
 /* activate, one frame, deactivate; returns the first status that is not SV_OK, else that of rig_frame. */
 sv_status rig_run(rig *r, const rig_format *f, const uint8_t *volume, const sv_param_value *values,

@@ -58,7 +58,7 @@ static float *map_of(rig *r, const wall_case *c, int32_t padding, bool ranged) {
                           .scanned = ranged ? ranges : NULL,
                           .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}},
                           .fixed_count = 1};
-    rig_textures *t = rig_textures_make(r, &f, c->full);
+    stage *t = rig_stage(r, &f, c->full);
     for (int axis = 0; axis < 3; axis++) t->format.spacing_mm[axis] = (float)c->spacing_mm[axis];
     rig_result out = rig_result_make(c->nx, c->ny);
     const sv_status active = r->plugin->activate(r->plugin, &t->format);
@@ -68,7 +68,7 @@ static float *map_of(rig *r, const wall_case *c, int32_t padding, bool ranged) {
     float *map = malloc(plane_of(c) * sizeof *map);
     assert_non_null(map);
     memcpy(map, out.depth, plane_of(c) * sizeof *map);
-    rig_textures_free(t);
+    rig_stage_free(t);
     rig_result_free(&out);
     free(ranges);
     return map;

@@ -37,10 +37,10 @@ static void compare_kinds(rig *r, const rig_format *f, const rig_settings *s, ui
     for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
         uint8_t *volume = rig_volume(kind, f->width, f->height, f->slices, seed);
         const sv_ref_volume v = {volume, f->width, f->height, f->slices, f->padding, NULL};
-        rig_textures *t = rig_textures_make(r, f, volume);
+        stage *t = rig_stage(r, f, volume);
         if (kind == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
         compare_frame(r, t, &v, s, where, summary);
-        rig_textures_free(t);
+        rig_stage_free(t);
         free(volume);
     }
     r->plugin->deactivate(r->plugin);
@@ -198,7 +198,7 @@ static void sums_of_64_bits(void **state) {
         compare_kinds(*state, &f, &s, strategy, "sums of 64 bits", &all);
         uint8_t *volume = rig_volume(RIG_LAYERS, f.width, f.height, f.slices, 1);
         const sv_ref_volume v = {volume, f.width, f.height, f.slices, f.padding, NULL};
-        rig_textures *t = rig_textures_make(*state, &f, volume);
+        stage *t = rig_stage(*state, &f, volume);
         rig *r = *state;
         assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
         static const uint32_t sizes_of_k[] = {63, 3, 61, 5};
@@ -208,7 +208,7 @@ static void sums_of_64_bits(void **state) {
             compare_frame(r, t, &v, &s, "64 and 32 bits in turn", &all);
         }
         r->plugin->deactivate(r->plugin);
-        rig_textures_free(t);
+        rig_stage_free(t);
         free(volume);
     }
     compare_print("sums of 64 bits", &all);

@@ -85,11 +85,11 @@ static void no_surface_after_a_surface(void **state) {
         layout.fixed[0] = (sv_param_value){rig_param(r, "strategy"), 0, strategy};
         layout.fixed_count = 1;
         for (int n = 0; n < 4; n++) {
-            rig_textures *t = rig_textures_make(r, &layout, volumes[n]);
+            stage *t = rig_stage(r, &layout, volumes[n]);
             if (n == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
             const sv_ref_volume v = {volumes[n], 40, 30, 12, SV_NO_PADDING, NULL};
             compare_frame(r, t, &v, &s, "no surface after a surface", NULL);
-            rig_textures_free(t);
+            rig_stage_free(t);
         }
         r->plugin->deactivate(r->plugin);
     }

@@ -154,7 +154,7 @@ static void check_table(rig *r, const table *t, const uint32_t *lengths, uint32_
                                {rig_param(r, "evidence"), 0, 0},
                                {rig_param(r, "q"), 0, 0}};
     rig_result far_map = rig_result_make(width, 1), near_map = rig_result_make(width, 1);
-    rig_textures *textures = rig_textures_make(r, &f, volume);
+    stage *textures = rig_stage(r, &f, volume);
     assert_int_equal(r->plugin->activate(r->plugin, &textures->format), SV_OK);
     assert_int_equal(rig_frame(r, textures, values, 7, &far_map), SV_PARTIAL);
     values[6].value = 1.0;
@@ -173,7 +173,7 @@ static void check_table(rig *r, const table *t, const uint32_t *lengths, uint32_
     }
     assert_int_equal(far_map.stats.points, points);
     assert_int_equal(far_map.points.empty_points, empty);
-    rig_textures_free(textures);
+    rig_stage_free(textures);
     rig_result_free(&far_map);
     rig_result_free(&near_map);
     free(volume);
@@ -234,7 +234,7 @@ static void thresholds_by_hand(void **state) {
     };
     static const char *const keys[] = {"bone_threshold", "bone_offset", "bone_fraction"};
     const rig_format f = {.width = RAYS, .height = 1, .slices = 4, .padding = SV_NO_PADDING};
-    rig_textures *t = rig_textures_make(r, &f, volume);
+    stage *t = rig_stage(r, &f, volume);
     assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const sv_param_value values[] = {{rig_param(r, "fluid_threshold"), 0, FLUID / 255.0},
@@ -253,7 +253,7 @@ static void thresholds_by_hand(void **state) {
         rig_result_free(&out);
     }
     r->plugin->deactivate(r->plugin);
-    rig_textures_free(t);
+    rig_stage_free(t);
 }
 
 /* Evidence: ten bone rays whose gaps are 0 (empty), 1, 1, 2, 2, 3, 3, 3, 4 and 5 slices. Those of at least
@@ -285,7 +285,7 @@ static void evidence_by_hand(void **state) {
                               .padding = SV_NO_PADDING,
                               .fixed = {{rig_param(r, "strategy"), 0, strategy}},
                               .fixed_count = 1};
-        rig_textures *t = rig_textures_make(r, &f, volume);
+        stage *t = rig_stage(r, &f, volume);
         assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
             const sv_param_value values[] = {{rig_param(r, "min_gap"), 0, cases[i].min_gap},
@@ -306,7 +306,7 @@ static void evidence_by_hand(void **state) {
             rig_result_free(&out);
         }
         r->plugin->deactivate(r->plugin);
-        rig_textures_free(t);
+        rig_stage_free(t);
     }
 }
 

@@ -136,7 +136,7 @@ static void wrong_ranges(void **state) {
     scene *s = *state;
     const sv_plugin *p = s->r.plugin;
     const rig_format f = format_of(s);
-    rig_textures *t = rig_textures_make(&s->r, &f, s->volume);
+    stage *t = rig_stage(&s->r, &f, s->volume);
     assert_int_equal(p->activate(p, &t->format), SV_OK);
     cl_int code = CL_SUCCESS;
     const cl_mem small = clCreateBuffer(s->r.context, CL_MEM_READ_WRITE, RAYS * 4 - 1, NULL, &code);
@@ -154,7 +154,7 @@ static void wrong_ranges(void **state) {
         {"scanned_offset is 18446744073709551612, the ranges need 2380", NULL, small, UINT64_MAX - 3},
         {"scanned_object is of another context", NULL, foreign, 0}};
     for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
-        sv_frame frame = rig_begin(t, NULL, 0);
+        sv_frame frame = stage_frame(t, NULL, 0);
         frame.scanned = wrong[n].scanned;
         frame.scanned_object = wrong[n].object;
         frame.scanned_offset = wrong[n].offset;
@@ -168,7 +168,7 @@ static void wrong_ranges(void **state) {
 
     t->format.flags = 0;
     assert_int_equal(p->activate(p, &t->format), SV_OK);
-    const sv_frame unasked = rig_begin(t, NULL, 0);
+    const sv_frame unasked = stage_frame(t, NULL, 0);
     assert_int_equal(p->begin(p, &unasked), SV_ERR_ARGUMENT);
     assert_non_null(strstr(p->last_error(p), "expected none: the format is without SV_FORMAT_SCANNED"));
     p->deactivate(p);
@@ -176,7 +176,7 @@ static void wrong_ranges(void **state) {
     assert_int_equal(p->activate(p, &t->format), SV_ERR_ARGUMENT);
     assert_non_null(strstr(p->last_error(p), "flags is 0x2"));
     rig_result_free(&out);
-    rig_textures_free(t);
+    rig_stage_free(t);
     (void)clReleaseMemObject(small);
     (void)clReleaseMemObject(foreign);
 }
@@ -185,7 +185,7 @@ static void wrong_spacing(void **state) {
     scene *s = *state;
     const sv_plugin *p = s->r.plugin;
     const rig_format f = format_of(s);
-    rig_textures *t = rig_textures_make(&s->r, &f, s->volume);
+    stage *t = rig_stage(&s->r, &f, s->volume);
     static const float wrong[][3] = {
         {0.5f, 0.5f, 0.0f}, {-1.0f, 1.0f, 1.0f}, {1.0f, 1.0f / 0.0f, 1.0f}, {0.0f, 0.0f, 0.0f / 0.0f}};
     for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
@@ -197,7 +197,7 @@ static void wrong_spacing(void **state) {
     memcpy(t->format.spacing_mm, right, sizeof right);
     assert_int_equal(p->activate(p, &t->format), SV_OK);
     p->deactivate(p);
-    rig_textures_free(t);
+    rig_stage_free(t);
 }
 
 int main(void) {

@@ -17,7 +17,7 @@ enum { WIDTH = 45, HEIGHT = 38, SLICES = 20, RAYS = WIDTH * HEIGHT };
 
 typedef struct {
     rig *r;
-    rig_textures *textures[RIG_KIND_COUNT];
+    stage *textures[RIG_KIND_COUNT];
     uint8_t *volumes[RIG_KIND_COUNT];
     rig_format format;
 } bench;
@@ -33,7 +33,7 @@ static bench open_bench(rig *r, uint32_t strategy) {
                           .fixed_count = 1}};
     for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
         b.volumes[kind] = rig_volume(kind, WIDTH, HEIGHT, SLICES, 11 + strategy);
-        b.textures[kind] = rig_textures_make(r, &b.format, b.volumes[kind]);
+        b.textures[kind] = rig_stage(r, &b.format, b.volumes[kind]);
     }
     assert_int_equal(r->plugin->activate(r->plugin, &b.textures[0]->format), SV_OK);
     return b;
@@ -42,7 +42,7 @@ static bench open_bench(rig *r, uint32_t strategy) {
 static void close_bench(bench *b) {
     b->r->plugin->deactivate(b->r->plugin);
     for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
-        rig_textures_free(b->textures[kind]);
+        rig_stage_free(b->textures[kind]);
         free(b->volumes[kind]);
     }
 }

@@ -108,16 +108,12 @@ static void check_knob(rig *r, const shape *s, const expected *e, double bound) 
 
 /* Runs a frame in which all was scanned, and lets the next one forget it: blocks that are outside of the scan
  * from then on must not be seen. */
-static void scan_all(rig *r, rig_textures *t, const shape *s, rig_result *out) {
+static void scan_all(rig *r, stage *t, const shape *s, rig_result *out) {
     const size_t count = (size_t)s->width * s->height;
-    sv_scanned *all = calloc(count, sizeof *all);
-    assert_non_null(all);
-    for (size_t i = 0; i < count; i++) all[i].end = (uint16_t)s->slices;
-    t->scanned = all;
+    for (size_t i = 0; i < count; i++) t->ranges[i] = (sv_scanned){0, (uint16_t)s->slices};
     assert_true(rig_frame(r, t, NULL, 0, out) >= SV_OK);
-    t->scanned = s->scanned;
+    memcpy(t->ranges, s->scanned, count * sizeof *t->ranges);
     t->frame_flags = SV_FRAME_DISCONTINUITY;
-    free(all);
 }
 
 /* Compares one layout of the work. With strategy rays a work item has a ray, with all others a row. */
@@ -135,7 +131,7 @@ static void compare_layout(rig *r, const shape *s, const uint8_t *volume, const 
                           .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")},
                                     {rig_param(r, "strategy"), 0, rig_enum(r, "strategy", strategy)}},
                           .fixed_count = 2};
-    rig_textures *t = rig_textures_make(r, &f, volume);
+    stage *t = rig_stage(r, &f, volume);
     memcpy(t->format.spacing_mm, s->spacing_mm, sizeof s->spacing_mm);
     rig_result out = rig_result_make(s->width, s->height);
     float *confidence = calloc(count, sizeof *confidence);
@@ -177,7 +173,7 @@ static void compare_layout(rig *r, const shape *s, const uint8_t *volume, const 
         assert_int_equal(report.rays, e->facts.rays);
         assert_int_equal(report.open_rays, e->facts.wall_rays);
     }
-    rig_textures_free(t);
+    rig_stage_free(t);
     rig_result_free(&out);
     free(confidence);
 }

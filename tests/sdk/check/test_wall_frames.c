@@ -62,7 +62,7 @@ static sv_wall_outcome run_frame(rig *r, uint32_t n, uint32_t flags, sv_wall_out
     static float depth[PIXELS];
     uint8_t *volume = volume_of(share_of(n));
     const rig_format f = {.width = N, .height = N, .slices = N, .slab_slices = 16};
-    rig_textures *t = rig_textures_make(r, &f, volume);
+    stage *t = rig_stage(r, &f, volume);
     rig_result out = rig_result_make(N, N);
     sv_wall_facts facts;
     const sv_wall_outcome expected = defined(volume, last, depth, &facts);
@@ -79,7 +79,7 @@ static sv_wall_outcome run_frame(rig *r, uint32_t n, uint32_t flags, sv_wall_out
         assert_true(report.found < report.wanted);
     }
     rig_result_free(&out);
-    rig_textures_free(t);
+    rig_stage_free(t);
     free(volume);
     return expected;
 }
@@ -94,10 +94,10 @@ static void begin(rig *r, const char *strategy) {
                           .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")},
                                     {rig_param(r, "strategy"), 0, rig_enum(r, "strategy", strategy)}},
                           .fixed_count = 2};
-    rig_textures *t = rig_textures_make(r, &f, volume);
+    stage *t = rig_stage(r, &f, volume);
     memcpy(t->format.spacing_mm, spacing, sizeof spacing);
     assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
-    rig_textures_free(t);
+    rig_stage_free(t);
     free(volume);
 }
 

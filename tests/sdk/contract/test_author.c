@@ -22,7 +22,7 @@ enum { WIDTH = 9, HEIGHT = 7, SLICES = 10, SLAB = 4, SLABS = 3, RAYS = WIDTH * H
 typedef struct {
     rig r;
     const sv_plugin *p;
-    rig_textures *t;
+    stage *t;
     float depth[RAYS];
 } subject;
 
@@ -40,7 +40,7 @@ static subject *open_subject(const char *library) {
                           .tiles_x = 3,
                           .own_queue = true};
     uint8_t *volume = rig_volume(RIG_LAYERS, WIDTH, HEIGHT, SLICES, 9);
-    s->t = rig_textures_make(&s->r, &f, volume);
+    s->t = rig_stage(&s->r, &f, volume);
     free(volume);
     s->p = s->r.plugin;
     return s;
@@ -48,7 +48,7 @@ static subject *open_subject(const char *library) {
 
 static int close_subject(void **state) {
     subject *s = *state;
-    rig_textures_free(s->t);
+    rig_stage_free(s->t);
     rig_close(&s->r);
     free(s);
     return 0;
@@ -77,7 +77,7 @@ static sv_status begin(const subject *s) {
 }
 
 static sv_status slab(const subject *s, uint32_t n) {
-    const sv_slab one = rig_slab(s->t, n);
+    const sv_slab one = stage_slab(s->t, n);
     return s->p->slab(s->p, &one);
 }
 
@@ -161,7 +161,7 @@ static void short_structs(void **state) {
     refused(s, s->p->begin(s->p, &frame), SV_ERR_SIZE, "frame.size is ");
     refused(s, s->p->begin(s->p, NULL), SV_ERR_ARGUMENT, "frame is NULL");
     assert_int_equal(begin(s), SV_OK);
-    sv_slab one = rig_slab(s->t, 0);
+    sv_slab one = stage_slab(s->t, 0);
     one.size--;
     refused(s, s->p->slab(s->p, &one), SV_ERR_SIZE, "slab.size is ");
     assert_int_equal(begin(s), SV_OK);
@@ -233,7 +233,7 @@ static void bad_slabs(void **state) {
                {0, 4, (7 + 6) * 27 + 9 - 1, SV_ERR_SLAB_SHAPE, "bytes is 359, 4 slices need 360"},
                {0, 3, 6 * 27 + 26, SV_ERR_SLAB_SHAPE, "bytes is 188, 3 slices need 189"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        sv_slab one = rig_slab(s->t, 0);
+        sv_slab one = stage_slab(s->t, 0);
         one.first_slice = bad[i].first;
         one.slice_count = bad[i].count;
         one.bytes = bad[i].bytes;
@@ -243,7 +243,7 @@ static void bad_slabs(void **state) {
         assert_int_equal(begin(s), SV_OK);
         if (i >= 3) assert_int_equal(s->p->slab(s->p, &one), SV_OK);
     }
-    sv_slab none = rig_slab(s->t, 0);
+    sv_slab none = stage_slab(s->t, 0);
     none.memory = NULL;
     assert_int_equal(begin(s), SV_OK);
     refused(s, s->p->slab(s->p, &none), SV_ERR_SLAB_SHAPE, "memory is NULL");

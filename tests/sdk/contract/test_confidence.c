@@ -21,7 +21,7 @@ static const sv_ext_confidence *extension(const rig *r) {
 }
 
 /* Active with this method, and one frame of a scene done. */
-static rig_textures *finish_frame(rig *r, double method, bool own_queue, rig_result *out) {
+static stage *finish_frame(rig *r, double method, bool own_queue, rig_result *out) {
     static rig_format f;
     hs_scene_data data;
     hs_error err = {0};
@@ -33,7 +33,7 @@ static rig_textures *finish_frame(rig *r, double method, bool own_queue, rig_res
                      .own_queue = own_queue,
                      .fixed = {{rig_param(r, "method"), 0, method}},
                      .fixed_count = 1};
-    rig_textures *t = rig_textures_make(r, &f, data.full.voxels);
+    stage *t = rig_stage(r, &f, data.full.voxels);
     hs_scene_free(&data);
     *out = rig_result_make(SIDE, SIDE);
     assert_int_equal(extension(r)->offered(r->plugin), 0);
@@ -44,9 +44,9 @@ static rig_textures *finish_frame(rig *r, double method, bool own_queue, rig_res
     return t;
 }
 
-static void finish(rig *r, rig_textures *t, rig_result *out) {
+static void finish(rig *r, stage *t, rig_result *out) {
     r->plugin->deactivate(r->plugin);
-    rig_textures_free(t);
+    rig_stage_free(t);
     rig_result_free(out);
 }
 
@@ -66,7 +66,7 @@ static void write_gives_what_read_gives(void **state) {
     const sv_ext_confidence *ext = extension(r);
     for (int own = 0; own < 2; own++) {
         rig_result out;
-        rig_textures *t = finish_frame(r, WALL, own, &out);
+        stage *t = finish_frame(r, WALL, own, &out);
         assert_int_equal(ext->read(r->plugin, expected, NULL), SV_OK);
         assert_varied(expected);
         memset(got, 0xff, sizeof got);
@@ -91,7 +91,7 @@ static void a_buffer_is_written_where_it_was_asked(void **state) {
     rig *r = *state;
     const sv_ext_confidence *ext = extension(r);
     rig_result out;
-    rig_textures *t = finish_frame(r, WALL, false, &out);
+    stage *t = finish_frame(r, WALL, false, &out);
     assert_int_equal(ext->read(r->plugin, expected, NULL), SV_OK);
     memset(got, 0xa5, sizeof got);
     cl_int code = CL_SUCCESS;
@@ -121,7 +121,7 @@ static void a_buffer_is_written_where_it_was_asked(void **state) {
 static void a_queue_of_its_own_reaches_no_buffer_of_the_host(void **state) {
     rig *r = *state;
     rig_result out;
-    rig_textures *t = finish_frame(r, WALL, true, &out);
+    stage *t = finish_frame(r, WALL, true, &out);
     cl_int code = CL_SUCCESS;
     cl_mem buffer = clCreateBuffer(r->context, CL_MEM_READ_WRITE, BYTES, NULL, &code);
     assert_int_equal(code, CL_SUCCESS);
@@ -133,7 +133,7 @@ static void a_queue_of_its_own_reaches_no_buffer_of_the_host(void **state) {
 static void another_method_has_no_map(void **state) {
     rig *r = *state;
     rig_result out;
-    rig_textures *t = finish_frame(r, 0.0, false, &out);
+    stage *t = finish_frame(r, 0.0, false, &out);
     assert_int_equal(extension(r)->write(r->plugin, out.depth, NULL, 0), SV_ERR_STATE);
     finish(r, t, &out);
 }

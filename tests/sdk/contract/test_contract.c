@@ -196,7 +196,7 @@ static void structs_too_short(void **state) {
         (void)snprintf(text, sizeof text, "size is %u", cut[i]);
         fixture_refused(f, p->begin(p, &frame), SV_ERR_SIZE, text);
         assert_int_equal(fixture_begin(f), SV_OK);
-        sv_slab slab = rig_slab(f->textures, 0);
+        sv_slab slab = stage_slab(f->textures, 0);
         slab.size = cut[i];
         fixture_refused(f, p->slab(p, &slab), SV_ERR_SIZE, text);
         assert_int_equal(fixture_begin(f), SV_OK);

@@ -56,7 +56,7 @@ static rig_format plain(void) {
 static sv_status run(rig *r, const rig_format *f, const uint8_t *volume, const sv_scanned *ranges,
                      const sv_param_value *values, uint32_t count, rig_result *out) {
     const sv_plugin *p = r->plugin;
-    rig_textures *t = rig_textures_make(r, f, volume);
+    stage *t = rig_stage(r, f, volume);
     t->format.flags = ranges ? SV_FORMAT_SCANNED : 0;
     for (int i = 0; i < 3; i++) t->format.spacing_mm[i] = 1.5f;
     sv_status status = p->activate(p, &t->format);
@@ -64,7 +64,7 @@ static sv_status run(rig *r, const rig_format *f, const uint8_t *volume, const s
     const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = count, .scanned = ranges};
     assert_int_equal(p->begin(p, &frame), SV_OK);
     for (uint32_t n = 0; n < t->slab_count; n++) {
-        const sv_slab slab = rig_slab(t, n);
+        const sv_slab slab = stage_slab(t, n);
         assert_int_equal(p->slab(p, &slab), SV_OK);
     }
     const sv_result result = {
@@ -77,7 +77,7 @@ static sv_status run(rig *r, const rig_format *f, const uint8_t *volume, const s
         assert_int_equal(status, out->stats.outcome);
     }
     p->deactivate(p);
-    rig_textures_free(t);
+    rig_stage_free(t);
     return out->stats.outcome;
 }
 
@@ -245,7 +245,7 @@ static void adjust_equals_a_frame(void **state) {
         rig *r = rigs[n];
         const sv_plugin *p = r->plugin;
         const rig_format f = plain();
-        rig_textures *t = rig_textures_make(r, &f, volume);
+        stage *t = rig_stage(r, &f, volume);
         const sv_param_value q[] = {{rig_param(r, "q"), 0, 0.7}, {rig_param(r, "q"), 0, 0.9}};
         const sv_param_value level = {rig_param(r, "level"), 0, 0.3};
         const sv_result result = {.size = sizeof result, .depth = e->b.depth};
@@ -254,7 +254,7 @@ static void adjust_equals_a_frame(void **state) {
         float expected[RAYS];
         memcpy(expected, e->a.depth, sizeof expected);
         assert_true(rig_frame(r, t, NULL, 0, &e->a) >= SV_OK);
-        memset(t->memory, 77, t->texture_bytes); /* after end the voxels may be gone */
+        memset(t->memory[0], 77, t->bytes[0]); /* after end the voxels may be gone */
         assert_int_equal(p->adjust(p, &level, 1, &result), SV_ERR_PARAM_ID);
         assert_non_null(strstr(p->last_error(p), "level"));
         assert_true(p->adjust(p, q, 2, &result) >= SV_OK);
@@ -263,7 +263,7 @@ static void adjust_equals_a_frame(void **state) {
         assert_true(p->adjust(p, NULL, 0, &result) >= SV_OK); /* what is not listed is as in the frame */
         assert_memory_equal(e->b.depth, e->a.depth, sizeof expected);
         p->deactivate(p);
-        rig_textures_free(t);
+        rig_stage_free(t);
     }
     free(volume);
 }

@@ -105,7 +105,7 @@ static void holds(rig *r, const setting *s) {
                    s->height, s->slices, s->slab_slices);
     uint8_t *volume = calloc((size_t)s->width * s->height, s->slices);
     assert_non_null(volume);
-    rig_textures *t = rig_textures_make(r, &how, volume);
+    stage *t = rig_stage(r, &how, volume);
     rig_result out = rig_result_make(s->width, s->height);
     const sv_plugin *p = r->plugin;
     const sv_needs told = ask(r, &t->format, frame_values, count);
@@ -123,10 +123,10 @@ static void holds(rig *r, const setting *s) {
     if (s->timed) assert_int_equal(timing->enable(p, 1), SV_OK);
     const int32_t before = spy_live();
     spy_reset();
-    sv_frame frame = rig_begin(t, frame_values, count);
+    sv_frame frame = stage_frame(t, frame_values, count);
     assert_int_equal(p->begin(p, &frame), SV_OK);
     for (uint32_t n = 0; n < t->slab_count; n++) {
-        const sv_slab slab = rig_slab(t, n);
+        const sv_slab slab = stage_slab(t, n);
         assert_int_equal(p->slab(p, &slab), SV_OK);
     }
     const sv_result result = {
@@ -141,7 +141,7 @@ static void holds(rig *r, const setting *s) {
     p->deactivate(p);
     assert_int_equal(spy_live(), 0);
     rig_result_free(&out);
-    rig_textures_free(t);
+    rig_stage_free(t);
     free(volume);
 }
 

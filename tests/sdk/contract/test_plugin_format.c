@@ -96,7 +96,7 @@ static void opencl_objects(void **state) {
     format.host_memory_bytes = 100;
     fixture_refused(f, p->activate(p, &format), SV_ERR_ARGUMENT,
                     "host_memory is NULL, host_memory_bytes is 100");
-    format.host_memory = f->textures->memory;
+    format.host_memory = f->textures->pages;
     format.host_memory_bytes = 0;
     fixture_refused(f, p->activate(p, &format), SV_ERR_ARGUMENT,
                     "host_memory is given, host_memory_bytes is 0");

@@ -30,16 +30,16 @@ static void the_same_frame_twice(void **state) {
 static void begin_drops_a_frame(void **state) {
     fixture *f = *state;
     uint8_t *other = rig_volume(RIG_EXTREMES, FIXTURE_WIDTH, FIXTURE_HEIGHT, FIXTURE_SLICES, 77);
-    rig_textures *noise = rig_textures_make(&f->r, &f->how, other);
+    stage *noise = rig_stage(&f->r, &f->how, other);
     for (uint32_t slabs = 0; slabs <= FIXTURE_SLABS; slabs++) {
         assert_int_equal(fixture_begin(f), SV_OK);
         for (uint32_t n = 0; n < slabs; n++) {
-            const sv_slab slab = rig_slab(noise, n);
+            const sv_slab slab = stage_slab(noise, n);
             assert_int_equal(f->r.plugin->slab(f->r.plugin, &slab), SV_OK);
         }
         fixture_frame_is_good(f);
     }
-    rig_textures_free(noise);
+    rig_stage_free(noise);
     free(other);
 }
 
@@ -108,7 +108,7 @@ static void destroyed_while_active(void **state) {
     assert_int_equal(other->activate(other, &f->textures->format), SV_OK);
     const sv_frame frame = {.size = sizeof frame};
     assert_int_equal(other->begin(other, &frame), SV_OK);
-    const sv_slab slab = rig_slab(f->textures, 0);
+    const sv_slab slab = stage_slab(f->textures, 0);
     assert_int_equal(other->slab(other, &slab), SV_OK);
     other->destroy(other);
     assert_string_equal(f->r.last_log, "destroy: still active, deactivating");
@@ -154,7 +154,7 @@ static int child_without_device(void) {
     const rig_format how = {
         .width = 8, .height = 8, .slices = 4, .padding = SV_NO_PADDING, .own_queue = true};
     uint8_t volume[8 * 8 * 4] = {0};
-    rig_textures *t = rig_textures_make(&r, &how, volume);
+    stage *t = rig_stage(&r, &how, volume);
     int code = 0;
     for (int n = 0; n < 2 && code == 0; n++) {
         if (p->activate(p, &t->format) != SV_ERR_NO_DEVICE) code = 4;
@@ -164,7 +164,7 @@ static int child_without_device(void) {
         if (r.last_severity != SV_LOG_ERROR) code = 7;
     }
     if (code) (void)fprintf(stderr, "%s\n", p->last_error(p));
-    rig_textures_free(t);
+    rig_stage_free(t);
     rig_close_library(&r);
     return code;
 }

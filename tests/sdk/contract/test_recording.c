@@ -71,18 +71,18 @@ static void record_frames(scene *s, rig_format how, uint32_t frames) {
     how.padding = SV_NO_PADDING;
     how.scanned = s->ranges;
     const sv_param_value k = {rig_param(s->r, "kernel"), 0, 11};
-    rig_textures *t = rig_textures_make(s->r, &how, s->volume);
+    stage *t = rig_stage(s->r, &how, s->volume);
     s->varies = t->format.carrier == SV_CARRIER_HOST;
     CALL(s, RC_ACTIVATE, p->activate(p, &t->format), .format = &t->format);
     for (uint32_t n = 0; n < frames; n++) {
-        if (s->varies) t->memory[0] = (uint8_t)(100 + n);
-        sv_frame frame = rig_begin(t, &k, 1);
+        if (s->varies) t->memory[0][0] = (uint8_t)(100 + n);
+        sv_frame frame = stage_frame(t, &k, 1);
         frame.index = n;
         frame.probe_side[2] = -1.0f;
         CALL(s, RC_BEGIN, p->begin(p, &frame), .frame = &frame);
         rec_log(s->recording, SV_LOG_INFO, "a line");
         for (uint32_t i = 0; i < t->slab_count; i++) {
-            const sv_slab slab = rig_slab(t, i);
+            const sv_slab slab = stage_slab(t, i);
             CALL(s, RC_SLAB, p->slab(p, &slab), .slab = &slab);
         }
         sv_stats stats = {.size = sizeof stats};
@@ -91,7 +91,7 @@ static void record_frames(scene *s, rig_format how, uint32_t frames) {
         CALL(s, RC_END, p->end(p, &result), .result = &result);
     }
     CALL(s, RC_DEACTIVATE, (p->deactivate(p), SV_OK), );
-    rig_textures_free(t);
+    rig_stage_free(t);
 }
 
 /* What a recording holds. */

@@ -91,7 +91,7 @@ static void activate_with_wide_vectors(void **state) {
     const rig_settings s = rig_default_settings();
     uint8_t *volume = rig_volume(RIG_LAYERS, 70, 9, 6, 1);
     const sv_ref_volume v = {volume, 70, 9, 6, SV_NO_PADDING, NULL};
-    rig_textures *t = rig_textures_make(r, &f, volume);
+    stage *t = rig_stage(r, &f, volume);
     spy_watch(r->entry);
     uint32_t fell_back = 0;
     bool failed = true;
@@ -110,7 +110,7 @@ static void activate_with_wide_vectors(void **state) {
         assert_int_equal(spy_live(), 0);
     }
     if (rig_is_cpu(r)) assert_true(fell_back > 3); /* GPUs take 16 rays a vector at once */
-    rig_textures_free(t);
+    rig_stage_free(t);
     free(volume);
 }
 

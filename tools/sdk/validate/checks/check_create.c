@@ -111,7 +111,7 @@ enum { MAX_LOGGED = 1 << 18 }; /* bytes: a guard shows less of a single frame */
 /* What makes a plugin speak: refused calls, and a frame. */
 static void provoke(v_rig *r) {
     const sv_plugin *p = r->s.plugin;
-    const v_way way = v_standard_way(&r->s);
+    const stage_way way = v_standard_way(&r->s);
     const sv_param_value unknown = {.id = 0xfffffff0u};
     v_map map;
     v_where(r->s.run, "calls in the wrong state");

@@ -21,7 +21,7 @@ void check_first_frame(v_run *run) {
 }
 
 /* A frame of a volume of this kind, from activation to deactivation. */
-static void frame_of(v_rig *r, const v_way *way, v_kind kind, v_map *map) {
+static void frame_of(v_rig *r, const stage_way *way, v_kind kind, v_map *map) {
     v_rig_set(r, way, kind);
     v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, map);
 }
@@ -29,7 +29,7 @@ static void frame_of(v_rig *r, const v_way *way, v_kind kind, v_map *map) {
 void check_depth_values(v_run *run) {
     v_rig r;
     v_rig_open(run, &r);
-    const v_way way = v_standard_way(&r.s);
+    const stage_way way = v_standard_way(&r.s);
     for (int kind = 0; kind < V_KINDS; kind++) {
         v_map map;
         char what[64];
@@ -43,7 +43,7 @@ void check_depth_values(v_run *run) {
 }
 
 /* ---- outcome and statistics */
-static rule_map judged_map(const v_map *map, const v_way *way) {
+static rule_map judged_map(const v_map *map, const stage_way *way) {
     return (rule_map){map->width,  map->height, way->slices,   map->depth,
                       map->status, &map->stats, map->returned, way->own_queue};
 }
@@ -52,7 +52,7 @@ void check_frame_outcome(v_run *run) {
     const rule_sink to = v_sink(run);
     v_rig r;
     v_rig_open(run, &r);
-    const v_way way = v_standard_way(&r.s);
+    const stage_way way = v_standard_way(&r.s);
     for (int kind = 0; kind < V_KINDS; kind++) {
         const sv_plugin *p = r.s.plugin;
         v_map map;
@@ -80,7 +80,7 @@ void check_frame_statistics(v_run *run) {
     const rule_sink to = v_sink(run);
     v_rig r;
     v_rig_open(run, &r);
-    const v_way way = v_standard_way(&r.s);
+    const stage_way way = v_standard_way(&r.s);
     for (int kind = 0; kind < V_KINDS; kind++) {
         v_map map;
         frame_of(&r, &way, (v_kind)kind, &map);
@@ -95,12 +95,12 @@ void check_frame_statistics(v_run *run) {
 /* ---- where results are written */
 static void try_bands(v_rig *r, uint8_t byte, bool all) {
     const sv_plugin *p = r->s.plugin;
-    v_stage *st = &r->stage;
+    stage *st = &r->stage;
     v_run *run = r->s.run;
     sv_status status = v_begin(p, st, NULL, 0);
     for (uint32_t n = 0; n < st->slab_count && status >= 0; n++) status = v_slab(p, st, n);
-    sv_result result = v_stage_result(st);
-    v_stage_poison(st, byte);
+    sv_result result = stage_result(st);
+    stage_poison(st, byte);
     if (!all) {
         result.status = NULL;
         result.stats = NULL;
@@ -110,7 +110,7 @@ static void try_bands(v_rig *r, uint8_t byte, bool all) {
     V_EXPECT(run, status >= 0, "%s: %s: %s", run->report->where, v_status(status), p->last_error(p));
     v_map map;
     v_collect(st, status, &map);
-    const char *place = v_stage_trespass(st, byte);
+    const char *place = stage_trespass(st, byte);
     V_EXPECT(run, !place, "end writes %s", place);
     v_map_judge_depths(run, &map, st->format.slices,
                        st->way.pitch ? "with a depth_pitch" : "without a depth_pitch");
@@ -122,7 +122,7 @@ static void try_bands(v_rig *r, uint8_t byte, bool all) {
 void check_guard_bands(v_run *run) {
     v_rig r;
     v_rig_open(run, &r);
-    v_way way = v_standard_way(&r.s);
+    stage_way way = v_standard_way(&r.s);
     for (uint32_t pitch = 0; pitch <= 7; pitch += 7) {
         way.pitch = pitch;
         v_rig_set(&r, &way, V_LAYERS);
@@ -150,7 +150,7 @@ void check_frame_shapes(v_run *run) {
     v_rig r;
     v_rig_open(run, &r);
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
-        v_way way = v_sized(v_standard_way(&r.s), shapes[i].width, shapes[i].height, shapes[i].slices);
+        stage_way way = v_sized(v_standard_way(&r.s), shapes[i].width, shapes[i].height, shapes[i].slices);
         v_map map;
         char what[64];
         way.longest = shapes[i].longest;
@@ -203,7 +203,7 @@ static bool find_offer(v_rig *r, const sv_ext_confidence *ext, const v_params *p
         const sv_param_info *info = &params->info[i];
         if (info->type != SV_PARAM_ENUM || !(info->flags & SV_PARAM_REACTIVATE)) continue;
         for (uint32_t n = 0; n < v_param_values(info); n++) {
-            v_way way = v_standard_way(&r->s);
+            stage_way way = v_standard_way(&r->s);
             way.fixed[0] = (sv_param_value){info->id, 0, info->min_value + n * info->step};
             if (!v_param_has(&r->s, info, way.fixed[0].value)) continue;
             way.fixed_count = 1;
@@ -232,7 +232,7 @@ static void try_confidence(v_rig *r, const sv_ext_confidence *ext, v_kind kind) 
     v_where(run, "confidence write");
     sv_status status = ext->write(p, map, NULL, 0);
     V_EXPECT(run, status == SV_OK, "confidence write: %s: %s", v_status(status), p->last_error(p));
-    if (r->stage.device) (void)clFinish(r->stage.device->queue);
+    if (r->stage.device.queue) (void)clFinish(r->stage.device.queue);
     judge_confidence(&to, map, r->stage.format.width, r->stage.format.height, "confidence write");
     for (size_t i = 0; i < GUARD; i++)
         V_EXPECT(run, room[i] == -7.0f && map[rays + i] == -7.0f, "confidence write writes beside its map");

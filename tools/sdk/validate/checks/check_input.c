@@ -7,27 +7,27 @@
 #include <string.h>
 
 /* The call that has just returned left the host's memory as it was. */
-static void expect_inputs(v_stage *st, uint64_t before) {
-    V_EXPECT(st->run, before == v_stage_inputs(st), "%s changes the host's voxels, ranges or format",
-             st->run->report->where);
+static void expect_inputs(stage *st, uint64_t before) {
+    V_EXPECT((v_run *)st->data, before == stage_inputs(st), "%s changes the host's voxels, ranges or format",
+             ((v_run *)st->data)->report->where);
 }
 
 /* A frame of what the rig's stage holds, which must be the same behind every call. */
 static void inputs_stay(v_rig *r) {
     v_run *run = r->s.run;
     const sv_plugin *p = r->s.plugin;
-    v_stage *st = &r->stage;
-    const uint64_t before = v_stage_inputs(st);
-    const sv_frame frame = v_stage_frame(st, NULL, 0), frame_before = frame;
-    sv_result result = v_stage_result(st);
+    stage *st = &r->stage;
+    const uint64_t before = stage_inputs(st);
+    const sv_frame frame = stage_frame(st, NULL, 0), frame_before = frame;
+    sv_result result = stage_result(st);
     const sv_result result_before = result;
-    v_stage_poison(st, V_POISON);
+    stage_poison(st, STAGE_POISON);
     v_where(run, "begin");
     sv_status status = p->begin(p, &frame);
     V_EXPECT(run, memcmp(&frame, &frame_before, sizeof frame) == 0, "begin writes into sv_frame");
     expect_inputs(st, before);
     for (uint32_t n = 0; n < st->slab_count && status >= 0; n++) {
-        const sv_slab slab = v_stage_slab(st, n), slab_before = slab;
+        const sv_slab slab = stage_slab(st, n), slab_before = slab;
         v_where(run, "slab %u", n);
         status = p->slab(p, &slab);
         V_EXPECT(run, memcmp(&slab, &slab_before, sizeof slab) == 0, "slab writes into sv_slab");
@@ -50,7 +50,7 @@ void check_inputs_unchanged(v_run *run) {
     v_rig_standard(run, &r);
     inputs_stay(&r);
     for (uint32_t carrier = SV_CARRIER_BUFFER; carrier <= SV_CARRIER_IMAGE; carrier++) {
-        v_way way = v_standard_way(&r.s);
+        stage_way way = v_standard_way(&r.s);
         if (way.own_queue || !(r.s.descriptor->carriers & SV_BIT(carrier))) continue;
         way.carrier = carrier;
         way.ranges_in_buffer = way.ranges;
@@ -61,7 +61,7 @@ void check_inputs_unchanged(v_run *run) {
 }
 
 /* A frame of the volume handed over in another way gives the same map. */
-static void same_map(v_rig *r, const v_way *way, const v_map *wanted, const char *what) {
+static void same_map(v_rig *r, const stage_way *way, const v_map *wanted, const char *what) {
     v_map map;
     v_rig_again(r, way);
     v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &map);
@@ -73,7 +73,7 @@ void check_reads_within_slab(v_run *run) {
     v_map plain;
     v_rig_standard(run, &r);
     v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &plain);
-    v_way way = v_standard_way(&r.s);
+    stage_way way = v_standard_way(&r.s);
     way.exact = true;
     same_map(&r, &way, &plain, "slabs that end where their bytes do give another map");
     v_map_free(&plain);
@@ -87,7 +87,7 @@ void check_padding_ignored(v_run *run) {
     v_rig_standard(run, &r);
     v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &plain);
     for (size_t i = 0; i < sizeof hatches / sizeof *hatches; i++) {
-        v_way way = v_standard_way(&r.s);
+        stage_way way = v_standard_way(&r.s);
         way.hatch = hatches[i];
         same_map(&r, &way, &plain, "bytes that belong to no slice show in the map");
     }
@@ -97,7 +97,7 @@ void check_padding_ignored(v_run *run) {
 
 /* ---- what was scanned */
 static void refuse_ranges(v_rig *r) {
-    v_way way = v_standard_way(&r->s);
+    stage_way way = v_standard_way(&r->s);
     const sv_plugin *p = r->s.plugin;
     v_rig_set(r, &way, V_LAYERS);
     v_deactivate(&r->s, p);
@@ -138,7 +138,7 @@ void check_scanned_ranges(v_run *run) {
         refuse_ranges(&r);
         v_skip(run, "the descriptor has no SV_FEATURE_SCANNED; activate refuses ranges");
     }
-    v_way way = v_standard_way(&r.s);
+    stage_way way = v_standard_way(&r.s);
     v_rig_set(&r, &way, V_LAYERS);
     const uint32_t rays = way.width * way.height;
     frame_now(&r, &whole);
@@ -161,7 +161,7 @@ void check_padding_value(v_run *run) {
     v_rig r;
     v_map known, map;
     v_rig_open(run, &r);
-    v_way way = v_standard_way(&r.s);
+    stage_way way = v_standard_way(&r.s);
     const uint32_t features = r.s.descriptor->features;
     const bool heeds = (features & SV_FEATURE_PADDING) != 0, ranges = (features & SV_FEATURE_SCANNED) != 0;
     v_rig_set(&r, &way, V_LAYERS);
@@ -249,21 +249,21 @@ void check_probe(v_run *run) {
 }
 
 /* ---- carriers and queues */
-static bool offers(const v_rig *r, const v_way *way) {
+static bool offers(const v_rig *r, const stage_way *way) {
     const sv_descriptor *d = r->s.descriptor;
     return (d->carriers & SV_BIT(way->carrier)) &&
            (d->queues & (way->own_queue ? SV_QUEUE_OWN : SV_QUEUE_HOST));
 }
 
 /* What the descriptor does not offer, activate refuses. */
-static void refuse_way(v_rig *r, const v_way *way, const char *what) {
-    v_stage st;
+static void refuse_way(v_rig *r, const stage_way *way, const char *what) {
+    stage st;
     if (!way->own_queue && !r->device.context) v_device_open(r->s.run, &r->device);
     v_stage_make(r->s.run, &st, way, &r->device);
     v_where(r->s.run, "activate with %s", what);
     const sv_status status = r->s.plugin->activate(r->s.plugin, &st.format);
     V_EXPECT(r->s.run, status < 0, "activate takes %s, which the descriptor does not offer", what);
-    v_stage_free(&st);
+    stage_free(&st);
 }
 
 void check_carriers(v_run *run) {
@@ -273,7 +273,7 @@ void check_carriers(v_run *run) {
     uint32_t ways = 0;
     v_rig_open(run, &r);
     for (uint32_t n = 0; n < 12; n++) {
-        v_way way = v_standard_way(&r.s);
+        stage_way way = v_standard_way(&r.s);
         char what[120];
         way.carrier = 1 + n / 2 % 3;
         way.own_queue = n % 2 == 1;
@@ -314,11 +314,11 @@ static void refused_foreign(v_rig *r, const char *what, sv_status status, sv_sta
 
 void check_foreign_objects(v_run *run) {
     v_rig r;
-    v_device other;
-    v_stage foreign;
+    stage_device other;
+    stage foreign;
     v_map map;
     v_rig_open(run, &r);
-    v_way way = v_standard_way(&r.s);
+    stage_way way = v_standard_way(&r.s);
     if (way.own_queue) v_skip(run, "the plugin takes no objects: it works on a queue of its own");
     if (r.s.descriptor->carriers & SV_BIT(SV_CARRIER_BUFFER)) way.carrier = SV_CARRIER_BUFFER;
     way.depth_object = true;
@@ -327,10 +327,10 @@ void check_foreign_objects(v_run *run) {
     v_device_open(run, &other);
     v_stage_make(run, &foreign, &way, &other);
     const sv_plugin *p = r.s.plugin;
-    sv_frame frame = v_stage_frame(&r.stage, NULL, 0);
-    sv_slab slab = v_stage_slab(&r.stage, 0);
-    sv_result result = v_stage_result(&r.stage);
-    v_stage_poison(&r.stage, V_POISON); /* the statistics get their size */
+    sv_frame frame = stage_frame(&r.stage, NULL, 0);
+    sv_slab slab = stage_slab(&r.stage, 0);
+    sv_result result = stage_result(&r.stage);
+    stage_poison(&r.stage, STAGE_POISON); /* the statistics get their size */
     frame.scanned_object = foreign.ranges_object;
     slab.object = foreign.objects[0];
     result.depth_object = foreign.depth_object;
@@ -345,7 +345,7 @@ void check_foreign_objects(v_run *run) {
     (void)clFinish(r.device.queue);
     v_frame(&r.s, p, &r.stage, NULL, 0, &map);
     v_map_free(&map);
-    v_stage_free(&foreign);
+    stage_free(&foreign);
     v_device_close(&other);
     v_rig_close(&r);
 }

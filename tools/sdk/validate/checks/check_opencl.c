@@ -20,7 +20,7 @@ static void watch(v_subject *s) {
 static void open_watched(v_run *run, v_rig *r) {
     v_rig_open(run, r);
     watch(&r->s);
-    const v_way way = v_standard_way(&r->s);
+    const stage_way way = v_standard_way(&r->s);
     v_rig_set(r, &way, V_LAYERS);
 }
 
@@ -33,9 +33,9 @@ static uint32_t all_calls(void) {
 /* A frame and an adjust, with `look` after every call of the plugin. */
 static void frame_with(v_rig *r, void (*look)(v_rig *r, const char *call)) {
     const sv_plugin *p = r->s.plugin;
-    v_stage *st = &r->stage;
-    v_stage_poison(st, V_POISON);
-    const sv_result result = v_stage_result(st);
+    stage *st = &r->stage;
+    stage_poison(st, STAGE_POISON);
+    const sv_result result = stage_result(st);
     sv_status status;
 #define CALL(name, expression)                                                                               \
     spy_reset();                                                                                             \
@@ -50,7 +50,7 @@ static void frame_with(v_rig *r, void (*look)(v_rig *r, const char *call)) {
     CALL("end", p->end(p, &result));
     CALL("adjust", p->adjust(p, NULL, 0, &result));
 #undef CALL
-    if (st->device) (void)clFinish(st->device->queue);
+    if (st->device.queue) (void)clFinish(st->device.queue);
 }
 
 /* ---- the frame path */
@@ -127,11 +127,11 @@ void check_needs(v_run *run) {
     const sv_ext_needs *ext = p->get_extension(p, SV_EXT_NEEDS);
     if (!ext) v_skip(run, "the plugin has no " SV_EXT_NEEDS);
     V_EXPECT(run, SV_HAS(ext, of) && ext->of, "the table of " SV_EXT_NEEDS " is not whole");
-    v_way way = v_standard_way(&r.s);
+    stage_way way = v_standard_way(&r.s);
     if (way.own_queue) v_skip(run, "the plugin works on a device that the validator does not know");
     watch(&r.s);
     for (uint32_t n = 0; n < 3; n++) {
-        const v_way sized = v_sized(way, 40 + 70 * n, 30 + 90 * n, 20 + 11 * n);
+        const stage_way sized = v_sized(way, 40 + 70 * n, 30 + 90 * n, 20 + 11 * n);
         v_rig_set(&r, &sized, V_LAYERS);
         const uint64_t taken = spy_live_bytes();
         const sv_needs_device facts = facts_of(&r);
@@ -165,7 +165,7 @@ void check_first_launches(v_run *run) {
 }
 
 /* ---- whose objects are whose */
-static cl_uint count_of_queue(const v_device *d) {
+static cl_uint count_of_queue(const stage_device *d) {
     cl_uint count = 0;
     (void)clGetCommandQueueInfo(d->queue, CL_QUEUE_REFERENCE_COUNT, sizeof count, &count, NULL);
     return count;
@@ -173,7 +173,7 @@ static cl_uint count_of_queue(const v_device *d) {
 
 /* The count once it is back at `wanted`, or what it is after two seconds: a runtime may let go of commands,
  * and so of their queue, a little after they have ended. */
-static cl_uint settled_count_of_queue(const v_device *d, cl_uint wanted) {
+static cl_uint settled_count_of_queue(const stage_device *d, cl_uint wanted) {
     enum { TRIES = 200 };
     const struct timespec wait = {.tv_nsec = 10000000};
     cl_uint count = count_of_queue(d);
@@ -189,7 +189,7 @@ void check_opencl_balance(v_run *run) {
     v_map map;
     v_rig_open(run, &r);
     watch(&r.s);
-    const v_way way = v_standard_way(&r.s);
+    const stage_way way = v_standard_way(&r.s);
     cl_uint before = 0;
     if (!way.own_queue) {
         v_device_open(run, &r.device);
@@ -367,7 +367,7 @@ void check_activations(v_run *run) {
     uint32_t files = 0, threads = 0, blocks = 0;
     v_rig_open(run, &r);
     watch(&r.s);
-    const v_way way = v_standard_way(&r.s);
+    const stage_way way = v_standard_way(&r.s);
     v_rig_set(&r, &way, V_LAYERS);
     for (uint32_t i = 0; i < turns; i++) {
         if (i % 10 < 2) {

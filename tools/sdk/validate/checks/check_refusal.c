@@ -45,14 +45,14 @@ static void refuse_slab(place *at, const char *what, sv_slab slab, sv_status exp
     status = v_slab(p, &at->r.stage, 1);
     V_EXPECT(run, status == SV_ERR_STATE,
              "a slab after a refused one: %s, expected SV_ERR_STATE: the frame is over", v_status(status));
-    if (at->r.stage.device) (void)clFinish(at->r.stage.device->queue);
+    if (at->r.stage.device.queue) (void)clFinish(at->r.stage.device.queue);
     still_good(at, what);
 }
 
 void check_slab_refusals(v_run *run) {
     place at;
     open_place(run, &at);
-    const sv_slab good = v_stage_slab(&at.r.stage, 1);
+    const sv_slab good = stage_slab(&at.r.stage, 1);
     sv_slab slab = good;
     slab.first_slice--;
     refuse_slab(&at, "a slice that came before", slab, SV_ERR_SLAB_ORDER);
@@ -78,7 +78,7 @@ void check_slab_refusals(v_run *run) {
     V_EXPECT(run, status == SV_ERR_SLAB_MISSING,
              "end after one of %u slabs: %s, expected SV_ERR_SLAB_MISSING", at.r.stage.slab_count,
              v_status(status));
-    if (at.r.stage.device) (void)clFinish(at.r.stage.device->queue);
+    if (at.r.stage.device.queue) (void)clFinish(at.r.stage.device.queue);
     still_good(&at, "an end that came too early");
     close_place(&at);
 }
@@ -166,7 +166,7 @@ void check_format_refusals(v_run *run) {
     refuse_objects(&at);
     v_activate(&at.r.s, at.r.s.plugin, &at.r.stage);
     still_good(&at, "formats that were refused");
-    sv_frame frame = v_stage_frame(&at.r.stage, NULL, 0);
+    sv_frame frame = stage_frame(&at.r.stage, NULL, 0);
     frame.flags = 0x80000000u;
     const sv_status status = at.r.s.plugin->begin(at.r.s.plugin, &frame);
     V_EXPECT(run, status < 0, "begin with flags 0x80000000: %s, expected an error", v_status(status));
@@ -177,7 +177,7 @@ void check_format_refusals(v_run *run) {
 static void refused(place *at, const char *what, sv_status status, sv_status expected) {
     V_EXPECT(at->r.s.run, status == expected, "%s: %s, expected %s", what, v_status(status),
              v_status(expected));
-    if (at->r.stage.device) (void)clFinish(at->r.stage.device->queue);
+    if (at->r.stage.device.queue) (void)clFinish(at->r.stage.device.queue);
 }
 
 /* begin and all slabs. */
@@ -190,7 +190,7 @@ void check_null_arguments(v_run *run) {
     place at;
     open_place(run, &at);
     const sv_plugin *p = at.r.s.plugin;
-    sv_result result = v_stage_result(&at.r.stage);
+    sv_result result = stage_result(&at.r.stage);
     v_deactivate(&at.r.s, p);
     v_where(run, "activate with format NULL");
     refused(&at, "activate with format NULL", p->activate(p, NULL), SV_ERR_ARGUMENT);
@@ -220,9 +220,9 @@ void check_null_arguments(v_run *run) {
 /* ---- sizes */
 static void too_short(place *at, uint32_t size) {
     const sv_plugin *p = at->r.s.plugin;
-    sv_frame frame = v_stage_frame(&at->r.stage, NULL, 0);
-    sv_slab slab = v_stage_slab(&at->r.stage, 0);
-    sv_result result = v_stage_result(&at->r.stage);
+    sv_frame frame = stage_frame(&at->r.stage, NULL, 0);
+    sv_slab slab = stage_slab(&at->r.stage, 0);
+    sv_result result = stage_result(&at->r.stage);
     v_where(at->r.s.run, "structs of %u bytes", size);
     frame.size = size < SV_FRAME_SIZE_1_0 ? size : SV_FRAME_SIZE_1_0 - 1;
     refused(at, "begin with a short sv_frame", p->begin(p, &frame), SV_ERR_SIZE);
@@ -234,7 +234,7 @@ static void too_short(place *at, uint32_t size) {
     refused(at, "end with a short sv_result", p->end(p, &result), SV_ERR_SIZE);
     complete(at);
     result.size = sizeof result;
-    v_stage_poison(&at->r.stage, V_POISON);
+    stage_poison(&at->r.stage, STAGE_POISON);
     result.stats->size = size < sizeof(sv_stats) ? size : (uint32_t)sizeof(sv_stats) - 1;
     refused(at, "end with short sv_stats", p->end(p, &result), SV_ERR_SIZE);
     still_good(at, "structs that were too short");
@@ -261,9 +261,9 @@ static void longer(place *at) {
     memset(re.more, 0xff, sizeof re.more);
     f.format = at->r.stage.format;
     f.format.size = sizeof f;
-    fr.frame = v_stage_frame(&at->r.stage, NULL, 0);
+    fr.frame = stage_frame(&at->r.stage, NULL, 0);
     fr.frame.size = sizeof fr;
-    re.result = v_stage_result(&at->r.stage);
+    re.result = stage_result(&at->r.stage);
     re.result.size = sizeof re;
     v_deactivate(&at->r.s, p);
     v_where(run, "structs of a later minor");
@@ -277,12 +277,12 @@ static void longer(place *at) {
             uint8_t more[64];
         } sl;
         memset(sl.more, 0xff, sizeof sl.more);
-        sl.slab = v_stage_slab(&at->r.stage, n);
+        sl.slab = stage_slab(&at->r.stage, n);
         sl.slab.size = sizeof sl;
         status = p->slab(p, &sl.slab);
         V_EXPECT(run, status >= 0, "slab refuses a longer sv_slab: %s", v_status(status));
     }
-    v_stage_poison(&at->r.stage, V_POISON);
+    stage_poison(&at->r.stage, STAGE_POISON);
     status = p->end(p, &re.result);
     V_EXPECT(run, status >= 0, "end refuses a longer sv_result: %s", v_status(status));
     v_map map;
@@ -330,7 +330,7 @@ void check_reasons(v_run *run) {
     has_reason(&at, "slab", v_slab(p, &at.r.stage, 0));
     has_reason(&at, "slab in the wrong order", v_slab(p, &at.r.stage, 0));
     has_reason(&at, "adjust without a frame", v_adjust(p, &at.r.stage, NULL, 0));
-    if (at.r.stage.device) (void)clFinish(at.r.stage.device->queue);
+    if (at.r.stage.device.queue) (void)clFinish(at.r.stage.device.queue);
     v_deactivate(&at.r.s, p);
     has_reason(&at, "activate with format NULL", p->activate(p, NULL));
     v_activate(&at.r.s, p, &at.r.stage);

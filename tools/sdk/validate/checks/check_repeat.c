@@ -31,7 +31,7 @@ void check_frames_independent(v_run *run) {
     v_map first, map;
     v_volume other;
     v_rig_standard(run, &r);
-    const v_way way = r.stage.way;
+    const stage_way way = r.stage.way;
     v_volume_make(run, &other, V_OTHER, way.width, way.height, way.slices);
     v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &first);
     v_stage_fill(&r.stage, &other);
@@ -44,7 +44,7 @@ void check_frames_independent(v_run *run) {
     (void)v_begin(r.s.plugin, &r.stage, NULL, 0);
     (void)v_slab(r.s.plugin, &r.stage, 0);
     (void)v_slab(r.s.plugin, &r.stage, 0); /* is refused: the slabs are the host's again */
-    if (r.stage.device) (void)clFinish(r.stage.device->queue);
+    if (r.stage.device.queue) (void)clFinish(r.stage.device.queue);
     v_stage_fill(&r.stage, &r.volume);
     again(&r, &first, "a frame depends on one that was broken off");
     v_deactivate(&r.s, r.s.plugin);
@@ -59,17 +59,17 @@ void check_slab_splits(v_run *run) {
     v_rig r;
     v_map whole;
     v_rig_open(run, &r);
-    v_way way = v_standard_way(&r.s);
+    stage_way way = v_standard_way(&r.s);
     way.longest = way.slices;
     v_rig_set(&r, &way, V_LAYERS);
     v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &whole);
     for (uint32_t turn = 0; turn < 3 + 2 * run->level; turn++) {
-        uint32_t lengths[V_MAX_SLABS] = {0};
+        uint32_t lengths[STAGE_MAX_SLABS] = {0};
         const uint32_t longest = turn == 0 ? 1 : turn == 1 ? 2 : 2 + v_random(run, way.slices);
         for (uint32_t n = 0, left = way.slices; left > 0; n++) {
             lengths[n] = turn < 2 ? 1 : 1 + v_random(run, longest);
             if (turn == 1 && n % 2) lengths[n] = 2;
-            if (lengths[n] > left || n == V_MAX_SLABS - 1) lengths[n] = left;
+            if (lengths[n] > left || n == STAGE_MAX_SLABS - 1) lengths[n] = left;
             left -= lengths[n];
         }
         way.lengths = lengths;
@@ -97,7 +97,7 @@ static sv_param_value another_value(void) {
 
 void check_instances_interleaved(v_run *run) {
     v_rig a;
-    v_stage st;
+    stage st;
     v_volume other;
     v_map alone[2], map[2];
     v_rig_standard(run, &a);
@@ -131,7 +131,7 @@ void check_instances_interleaved(v_run *run) {
     second->destroy(second);
     again(&a, &alone[0], "an instance gives another map after another one was destroyed");
     for (int i = 0; i < 2; i++) v_map_free(&alone[i]);
-    v_stage_free(&st);
+    stage_free(&st);
     v_volume_free(&other);
     v_rig_close(&a);
 }
@@ -140,8 +140,8 @@ void check_instances_interleaved(v_run *run) {
 typedef struct {
     v_subject *s;
     const sv_plugin *plugin;
-    v_device device;
-    v_stage stage;
+    stage_device device;
+    stage stage;
     v_volume volume;
     v_map alone;
     v_run run; /* its own: a finding ends the thread's part only */
@@ -166,7 +166,7 @@ static void *work(void *context) {
     return NULL;
 }
 
-static void prepare(v_subject *s, worker *w, const v_way *way, uint32_t n) {
+static void prepare(v_subject *s, worker *w, const stage_way *way, uint32_t n) {
     w->run = *s->run;
     w->run.report = &w->report;
     w->run.watch = NULL; /* it belongs to one thread */
@@ -178,7 +178,7 @@ static void prepare(v_subject *s, worker *w, const v_way *way, uint32_t n) {
     v_stage_fill(&w->stage, &w->volume);
     v_activate(s, w->plugin, &w->stage);
     v_frame(s, w->plugin, &w->stage, NULL, 0, &w->alone);
-    w->stage.run = &w->run;
+    w->stage.data = &w->run;
 }
 
 void check_instances_parallel(v_run *run) {
@@ -189,7 +189,7 @@ void check_instances_parallel(v_run *run) {
     v_subject s;
     memset(workers, 0, sizeof workers);
     v_open(run, &s);
-    const v_way way = v_standard_way(&s);
+    const stage_way way = v_standard_way(&s);
     V_EXPECT(run, pthread_barrier_init(&together, NULL, WORKERS) == 0,
              "no barrier: the check could not be made");
     for (uint32_t n = 0; n < WORKERS; n++) {
@@ -210,7 +210,7 @@ void check_instances_parallel(v_run *run) {
         worker *w = &workers[n];
         v_deactivate(&s, w->plugin);
         if (n > 0) w->plugin->destroy(w->plugin);
-        v_stage_free(&w->stage);
+        stage_free(&w->stage);
         v_volume_free(&w->volume);
         v_map_free(&w->alone);
         v_device_close(&w->device);

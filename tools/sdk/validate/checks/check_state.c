@@ -46,7 +46,7 @@ static void follow(machine *m, call c, sv_status status) {
 
 static sv_status make(machine *m, call c) {
     const sv_plugin *p = m->r.s.plugin;
-    v_stage *st = &m->r.stage;
+    stage *st = &m->r.stage;
     switch (c) {
     case ACTIVATE:
         v_where(m->r.s.run, "activate when %s", state_names[m->now]);
@@ -73,8 +73,8 @@ static void try_call(machine *m, call c) {
         v_map map;
         v_collect(&m->r.stage, status, &map);
         v_map_expect(run, &m->good, &map, "%s after other calls gives another map", call_names[c]);
-    } else if (m->r.stage.device) {
-        (void)clFinish(m->r.stage.device->queue);
+    } else if (m->r.stage.device.queue) {
+        (void)clFinish(m->r.stage.device.queue);
     }
     follow(m, c, status);
 }
@@ -192,7 +192,7 @@ static void inspect_map(v_run *run, const v_map *map, uint32_t slices, const cha
 
 static void try_setting(v_rig *r, const sv_param_info *p, double value) {
     v_run *run = r->s.run;
-    v_way way = v_standard_way(&r->s);
+    stage_way way = v_standard_way(&r->s);
     char what[120];
     v_map first, map;
     (void)snprintf(what, sizeof what, "%s = %g", p->key, value);
@@ -212,7 +212,7 @@ static void try_setting(v_rig *r, const sv_param_info *p, double value) {
         }
         v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &map);
         v_map_expect(run, &first, &map, "%s: %s give another map", what, ways[turn]);
-        const char *place = v_stage_trespass(&r->stage, V_POISON);
+        const char *place = stage_trespass(&r->stage, STAGE_POISON);
         V_EXPECT(run, !place, "%s: end writes %s", what, place);
     }
     v_map_free(&first);

@@ -5,6 +5,7 @@
 
 #include "rules/rules.h"
 #include "smartvis_plugin.h"
+#include "stage/stage.h"
 
 #include <CL/cl.h>
 #include <pthread.h>
@@ -154,18 +155,10 @@ double v_param_random(const v_subject *s, const sv_param_info *info);
 double v_param_other(const sv_param_info *info);
 
 /* ---------------------------------------------------------------------------------------------- device -- */
-/* The validator's OpenCL device: what a host hands to a plugin that works on the host's queue. */
-
-typedef struct {
-    cl_device_id device;
-    cl_context context;
-    cl_command_queue queue; /* in-order */
-} v_device;
-
 /* The first GPU, else the first device of any kind; SMARTVIS_DEVICE ("cpu", "gpu") narrows the choice. Skips
  * the check if there is none. */
-void v_device_open(v_run *run, v_device *d);
-void v_device_close(v_device *d);
+void v_device_open(v_run *run, stage_device *d);
+void v_device_close(stage_device *d);
 
 /* --------------------------------------------------------------------------------------------- volumes -- */
 /* Volumes to try a plugin on. */
@@ -199,82 +192,17 @@ void v_volume_outside(v_run *run, v_volume *v, int value);
 
 const char *v_kind_name(v_kind kind);
 
-/* ----------------------------------------------------------------------------------------------- stage -- */
-/*
- * What a host has ready for frames of one format: slabs cut from a volume, scanned ranges, and memory for
- * results with guard bands around it and between its rows.
- */
-
-enum { V_MAX_SLABS = 64, V_MAX_FIXED = 64 };
-
-/* One way of handing volumes over. */
-typedef struct {
-    uint32_t width, height, slices;
-    uint32_t longest;        /* slices of the longest slab */
-    const uint32_t *lengths; /* of the slabs, ended by 0; NULL: `longest` each, the last one short */
-    uint32_t tiles_x, extra_w, extra_h, extra_pitch;
-    uint32_t carrier; /* SV_CARRIER_... */
-    bool own_queue;   /* else the host's */
-    bool ranges;      /* frames bring scanned ranges */
-    bool ranges_in_buffer;
-    bool registered;   /* the slabs' memory is named at activation */
-    bool exact;        /* a slab's memory ends where its bytes do: what follows cannot be read */
-    int32_t padding;   /* 0 .. 255 or SV_NO_PADDING */
-    uint8_t hatch;     /* value of bytes that belong to no slice */
-    uint32_t pitch;    /* floats from one row of the map to the next beyond the width */
-    bool depth_object; /* the map goes to an OpenCL buffer */
-    uint32_t fixed_count;
-    sv_param_value fixed[V_MAX_FIXED]; /* values for activate */
-} v_way;
-
+/* ------------------------------------------------------------------------------------------------ ways -- */
 /* Host memory, three slabs, three tiles a row with some padding around, and ranges if the plugin takes them.
  * The host's queue if the plugin takes that, else its own. */
-v_way v_standard_way(const v_subject *s);
+stage_way v_standard_way(const v_subject *s);
 
 /* Another size, in as many slabs as before. */
-v_way v_sized(v_way way, uint32_t width, uint32_t height, uint32_t slices);
+stage_way v_sized(stage_way way, uint32_t width, uint32_t height, uint32_t slices);
 
-typedef struct {
-    v_run *run;
-    v_way way;
-    const v_device *device; /* NULL with an own queue */
-    sv_format format;
-    uint32_t slab_count;
-    uint32_t first[V_MAX_SLABS], length[V_MAX_SLABS];
-    uint64_t bytes[V_MAX_SLABS];
-    uint8_t *pages, *memory[V_MAX_SLABS]; /* the slabs' textures, in one mapping */
-    size_t page_bytes;
-    cl_mem objects[V_MAX_SLABS];
-    float probe_rotation[9], probe_side[3]; /* of every frame; zeros at first */
-    uint32_t frame_size;                    /* of its struct; 0: all of it */
-    sv_scanned *ranges;                     /* as they are handed over */
-    cl_mem ranges_object;
-
-    uint8_t *results; /* one block: guard, map, guard, status map, guard, statistics, guard */
-    size_t result_bytes, depth_at, status_at, stats_at, row_bytes;
-    cl_mem depth_object;
-} v_stage;
-
-/* `device` may be NULL if the way has an own queue. Skips the check if OpenCL refuses an object. */
-void v_stage_make(v_run *run, v_stage *st, const v_way *way, const v_device *device);
-void v_stage_free(v_stage *st);
-
-/* Puts a volume into the slabs, and its ranges into place. */
-void v_stage_fill(v_stage *st, const v_volume *v);
-
-sv_slab v_stage_slab(const v_stage *st, uint32_t n);
-sv_frame v_stage_frame(const v_stage *st, const sv_param_value *values, uint32_t count);
-sv_result v_stage_result(v_stage *st);
-
-/* Every byte of the results becomes `byte`; statistics get their size. */
-enum { V_POISON = 0xff }; /* as a float: NaN */
-void v_stage_poison(v_stage *st, uint8_t byte);
-
-/* The first byte of the guard bands that is not `byte`, in words, or NULL. */
-const char *v_stage_trespass(const v_stage *st, uint8_t byte);
-
-/* A sum over everything that a plugin must not change. */
-uint64_t v_stage_inputs(const v_stage *st);
+/* stage_make and stage_fill that skip the check if OpenCL refuses an object, and fail it without memory. */
+void v_stage_make(v_run *run, stage *st, const stage_way *way, const stage_device *device);
+void v_stage_fill(stage *st, const v_volume *v);
 
 /* ---------------------------------------------------------------------------------------------- frames -- */
 /* Frames: the calls one by one or all together, and what came out. */
@@ -303,37 +231,37 @@ void v_map_expect(v_run *run, const v_map *wanted, v_map *map, const char *forma
     __attribute__((format(printf, 4, 5)));
 
 /* activate; the check fails on an error. */
-void v_activate(v_subject *s, const sv_plugin *p, const v_stage *st);
+void v_activate(v_subject *s, const sv_plugin *p, const stage *st);
 void v_deactivate(v_subject *s, const sv_plugin *p);
 
 /* Single calls: what they return. end and adjust poison the results before; with the host's queue they are
  * there after v_collect, which waits for it. */
-sv_status v_begin(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count);
-sv_status v_slab(const sv_plugin *p, v_stage *st, uint32_t n);
-sv_status v_end(const sv_plugin *p, v_stage *st);
-sv_status v_adjust(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count);
-void v_collect(v_stage *st, sv_status returned, v_map *out);
+sv_status v_begin(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count);
+sv_status v_slab(const sv_plugin *p, stage *st, uint32_t n);
+sv_status v_end(const sv_plugin *p, stage *st);
+sv_status v_adjust(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count);
+void v_collect(stage *st, sv_status returned, v_map *out);
 
 /* begin, all slabs, end. Returns the first error, or what end returned; the results are collected then. */
-sv_status v_try_frame(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count,
+sv_status v_try_frame(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
                       v_map *out);
 
 /* v_try_frame; the check fails on an error. */
-void v_frame(v_subject *s, const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count,
+void v_frame(v_subject *s, const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
              v_map *out);
 
 /* The subject's own instance, activated, with a layered volume in its stage. The device is open if the way
  * needs one. */
 typedef struct {
     v_subject s;
-    v_device device;
-    v_stage stage;
+    stage_device device;
+    struct stage stage;
     v_volume volume;
 } v_rig;
-void v_rig_open(v_run *run, v_rig *r);                   /* loads, creates; no stage yet */
-void v_rig_set(v_rig *r, const v_way *way, v_kind kind); /* stage and volume; activates */
-void v_rig_again(v_rig *r, const v_way *way);            /* another stage for the same volume; activates */
-void v_rig_drop(v_rig *r);                               /* deactivates; stage and volume are gone */
+void v_rig_open(v_run *run, v_rig *r);                       /* loads, creates; no stage yet */
+void v_rig_set(v_rig *r, const stage_way *way, v_kind kind); /* stage and volume; activates */
+void v_rig_again(v_rig *r, const stage_way *way); /* another stage for the same volume; activates */
+void v_rig_drop(v_rig *r);                        /* deactivates; stage and volume are gone */
 void v_rig_close(v_rig *r);
 
 /* All in one: opens, the standard way, a layered volume, activated. */

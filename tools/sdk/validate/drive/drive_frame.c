@@ -51,8 +51,12 @@ void v_map_expect(v_run *run, const v_map *wanted, v_map *map, const char *forma
     v_map_free(map);
 }
 
+static v_run *run_of(const stage *st) {
+    return st->data;
+}
+
 /* ---- single calls */
-void v_activate(v_subject *s, const sv_plugin *p, const v_stage *st) {
+void v_activate(v_subject *s, const sv_plugin *p, const stage *st) {
     v_where(s->run, "activate (%u x %u x %u)", st->format.width, st->format.height, st->format.slices);
     const sv_status status = p->activate(p, &st->format);
     V_EXPECT(s->run, status == SV_OK, "activate (%u x %u x %u): %s: %s", st->format.width, st->format.height,
@@ -64,64 +68,64 @@ void v_deactivate(v_subject *s, const sv_plugin *p) {
     p->deactivate(p);
 }
 
-sv_status v_begin(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count) {
-    const sv_frame frame = v_stage_frame(st, values, count);
-    v_where(st->run, "begin");
+sv_status v_begin(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count) {
+    const sv_frame frame = stage_frame(st, values, count);
+    v_where(run_of(st), "begin");
     return p->begin(p, &frame);
 }
 
-sv_status v_slab(const sv_plugin *p, v_stage *st, uint32_t n) {
-    const sv_slab slab = v_stage_slab(st, n);
-    v_where(st->run, "slab (slices %u to %u)", slab.first_slice, slab.first_slice + slab.slice_count - 1);
+sv_status v_slab(const sv_plugin *p, stage *st, uint32_t n) {
+    const sv_slab slab = stage_slab(st, n);
+    v_where(run_of(st), "slab (slices %u to %u)", slab.first_slice, slab.first_slice + slab.slice_count - 1);
     return p->slab(p, &slab);
 }
 
-sv_status v_end(const sv_plugin *p, v_stage *st) {
-    const sv_result result = v_stage_result(st);
-    v_stage_poison(st, V_POISON);
-    v_where(st->run, "end");
+sv_status v_end(const sv_plugin *p, stage *st) {
+    const sv_result result = stage_result(st);
+    stage_poison(st, STAGE_POISON);
+    v_where(run_of(st), "end");
     return p->end(p, &result);
 }
 
-sv_status v_adjust(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count) {
-    const sv_result result = v_stage_result(st);
-    v_stage_poison(st, V_POISON);
-    v_where(st->run, "adjust");
+sv_status v_adjust(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count) {
+    const sv_result result = stage_result(st);
+    stage_poison(st, STAGE_POISON);
+    v_where(run_of(st), "adjust");
     return p->adjust(p, values, count, &result);
 }
 
-static void finish(v_stage *st) {
-    if (!st->device) return;
-    v_where(st->run, "the host's clFinish after end");
-    const cl_int code = clFinish(st->device->queue);
-    V_EXPECT(st->run, code == CL_SUCCESS, "clFinish after end: OpenCL error %d", (int)code);
+static void finish(stage *st) {
+    if (!st->device.queue) return;
+    v_where(run_of(st), "the host's clFinish after end");
+    const cl_int code = clFinish(st->device.queue);
+    V_EXPECT(run_of(st), code == CL_SUCCESS, "clFinish after end: OpenCL error %d", (int)code);
 }
 
-void v_collect(v_stage *st, sv_status returned, v_map *out) {
+void v_collect(stage *st, sv_status returned, v_map *out) {
     const size_t rays = (size_t)st->format.width * st->format.height, row = st->format.width * sizeof(float);
-    const sv_result r = v_stage_result(st);
+    const sv_result r = stage_result(st);
     finish(st);
     *out = (v_map){.width = st->format.width,
                    .height = st->format.height,
-                   .depth = v_memory(st->run, rays * sizeof(float)),
-                   .status = v_memory(st->run, rays),
+                   .depth = v_memory(run_of(st), rays * sizeof(float)),
+                   .status = v_memory(run_of(st), rays),
                    .returned = returned};
     memcpy(out->status, r.status, rays);
     memcpy(&out->stats, r.stats, sizeof out->stats);
-    out->outcome = returned >= 0 && st->device ? out->stats.outcome : returned;
+    out->outcome = returned >= 0 && st->device.queue ? out->stats.outcome : returned;
     if (!r.depth_object) {
         for (uint32_t y = 0; y < st->format.height; y++)
             memcpy(out->depth + (size_t)y * st->format.width, (const uint8_t *)r.depth + y * st->row_bytes,
                    row);
         return;
     }
-    const cl_int code = clEnqueueReadBuffer(st->device->queue, r.depth_object, CL_TRUE, r.depth_offset,
+    const cl_int code = clEnqueueReadBuffer(st->device.queue, r.depth_object, CL_TRUE, r.depth_offset,
                                             rays * sizeof(float), out->depth, 0, NULL, NULL);
-    V_EXPECT(st->run, code == CL_SUCCESS, "the map's buffer cannot be read: OpenCL error %d", (int)code);
+    V_EXPECT(run_of(st), code == CL_SUCCESS, "the map's buffer cannot be read: OpenCL error %d", (int)code);
 }
 
 /* ---- whole frames */
-sv_status v_try_frame(const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count,
+sv_status v_try_frame(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
                       v_map *out) {
     sv_status status = v_begin(p, st, values, count);
     for (uint32_t n = 0; n < st->slab_count && status >= 0; n++) status = v_slab(p, st, n);
@@ -133,7 +137,7 @@ sv_status v_try_frame(const sv_plugin *p, v_stage *st, const sv_param_value *val
     return status;
 }
 
-void v_frame(v_subject *s, const sv_plugin *p, v_stage *st, const sv_param_value *values, uint32_t count,
+void v_frame(v_subject *s, const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
              v_map *out) {
     const sv_status status = v_try_frame(p, st, values, count, out);
     V_EXPECT(s->run, status >= 0, "%s of a good frame (%u x %u x %u): %s: %s", s->run->report->where,
@@ -146,38 +150,38 @@ void v_rig_open(v_run *run, v_rig *r) {
     v_open(run, &r->s);
 }
 
-static void set_stage(v_rig *r, const v_way *way) {
+static void set_stage(v_rig *r, const stage_way *way) {
     if (!way->own_queue && !r->device.context) v_device_open(r->s.run, &r->device);
     v_stage_make(r->s.run, &r->stage, way, &r->device);
     v_stage_fill(&r->stage, &r->volume);
     v_activate(&r->s, r->s.plugin, &r->stage);
 }
 
-void v_rig_set(v_rig *r, const v_way *way, v_kind kind) {
+void v_rig_set(v_rig *r, const stage_way *way, v_kind kind) {
     v_volume_make(r->s.run, &r->volume, kind, way->width, way->height, way->slices);
     set_stage(r, way);
 }
 
-void v_rig_again(v_rig *r, const v_way *way) {
+void v_rig_again(v_rig *r, const stage_way *way) {
     v_deactivate(&r->s, r->s.plugin);
-    v_stage_free(&r->stage);
+    stage_free(&r->stage);
     set_stage(r, way);
 }
 
 void v_rig_drop(v_rig *r) {
     v_deactivate(&r->s, r->s.plugin);
-    v_stage_free(&r->stage);
+    stage_free(&r->stage);
     v_volume_free(&r->volume);
 }
 
 void v_rig_close(v_rig *r) {
-    if (r->stage.run) v_rig_drop(r);
+    if (r->stage.data) v_rig_drop(r);
     v_close(&r->s);
     v_device_close(&r->device);
 }
 
 void v_rig_standard(v_run *run, v_rig *r) {
     v_rig_open(run, r);
-    const v_way way = v_standard_way(&r->s);
+    const stage_way way = v_standard_way(&r->s);
     v_rig_set(r, &way, V_LAYERS);
 }

@@ -1,143 +1,28 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/drive/drive.h"
+#include "stage/stage.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* ---------------------------------------------------------------------------------------------- device -- */
-
-enum { MAX_PLATFORMS = 16 };
-
-static cl_device_id first_of(cl_device_type type) {
-    cl_platform_id platforms[MAX_PLATFORMS];
-    cl_uint count = 0;
-    cl_device_id device = NULL;
-    if (clGetPlatformIDs(MAX_PLATFORMS, platforms, &count) != CL_SUCCESS) return NULL;
-    for (cl_uint i = 0; i < count && i < MAX_PLATFORMS && !device; i++)
-        if (clGetDeviceIDs(platforms[i], type, 1, &device, NULL) != CL_SUCCESS) device = NULL;
-    return device;
-}
-
-void v_device_open(v_run *run, v_device *d) {
-    const char *wanted = getenv("SMARTVIS_DEVICE");
-    cl_int code = CL_SUCCESS;
-    memset(d, 0, sizeof *d);
-    v_where(run, "the validator's own OpenCL calls");
-    if (!wanted || strcmp(wanted, "cpu") != 0) d->device = first_of(CL_DEVICE_TYPE_GPU);
-    if (!d->device && wanted && strcmp(wanted, "cpu") == 0) d->device = first_of(CL_DEVICE_TYPE_CPU);
-    if (!d->device && !wanted) d->device = first_of(CL_DEVICE_TYPE_ALL);
-    if (!d->device) v_skip(run, "there is no OpenCL device");
-    d->context = clCreateContext(NULL, 1, &d->device, NULL, NULL, &code);
-    if (code == CL_SUCCESS) d->queue = clCreateCommandQueue(d->context, d->device, 0, &code);
-    if (code != CL_SUCCESS) v_skip(run, "the OpenCL device cannot be opened: %d", (int)code);
-}
-
-void v_device_close(v_device *d) {
-    if (d->queue) (void)clReleaseCommandQueue(d->queue);
-    if (d->context) (void)clReleaseContext(d->context);
-    memset(d, 0, sizeof *d);
-}
-
-/* --------------------------------------------------------------------------------------------- volumes -- */
-
-static uint8_t voxel(v_run *run, v_kind kind, uint32_t x, uint32_t y, uint32_t z, uint32_t slices) {
-    const uint32_t shift = kind == V_OTHER ? slices / 5 : 0;
-    const uint32_t wall = slices / 6 + (x + y) / 9 % 3 + shift,
-                   fetus = slices / 2 + (x * 2 + y) / 11 % 4 + shift;
-    switch (kind) {
-    case V_LAYERS:
-    case V_OTHER:
-        if (z < wall) return (uint8_t)(90 + v_random(run, 60));
-        return z < fetus ? (uint8_t)(5 + v_random(run, 20)) : (uint8_t)(140 + v_random(run, 100));
-    case V_WHITE:
-        return 255;
-    case V_GREY:
-        return 128;
-    case V_NOISE:
-        return (uint8_t)v_random(run, 256);
-    case V_STRIPES:
-        return z % 2 ? 255 : 0;
-    default:
-        return 0;
-    }
-}
-
-const char *v_kind_name(v_kind kind) {
-    static const char *const names[V_KINDS] = {"layered", "other layered", "black",  "white",
-                                               "grey",    "noisy",         "striped"};
-    return names[kind];
-}
-
-void v_volume_make(v_run *run, v_volume *v, v_kind kind, uint32_t width, uint32_t height, uint32_t slices) {
-    const size_t rays = (size_t)width * height;
-    *v = (v_volume){width, height, slices, v_memory(run, rays * slices),
-                    v_memory(run, rays * sizeof(sv_scanned))};
-    for (uint32_t z = 0; z < slices; z++)
-        for (uint32_t y = 0; y < height; y++)
-            for (uint32_t x = 0; x < width; x++)
-                v->voxels[z * rays + (size_t)y * width + x] = voxel(run, kind, x, y, z, slices);
-    for (size_t i = 0; i < rays; i++) v->ranges[i] = (sv_scanned){0, (uint16_t)slices};
-}
-
-void v_volume_free(v_volume *v) {
-    free(v->voxels);
-    free(v->ranges);
-    *v = (v_volume){0};
-}
-
-void v_volume_narrow(v_volume *v) {
-    for (uint32_t i = 0; i < v->width * v->height; i++) {
-        const uint32_t first = i % 3, last = 1 + i % 2;
-        if (v->slices > first + last)
-            v->ranges[i] = (sv_scanned){(uint16_t)first, (uint16_t)(v->slices - last)};
-    }
-}
-
-void v_volume_outside(v_run *run, v_volume *v, int value) {
-    const size_t rays = (size_t)v->width * v->height;
-    for (size_t i = 0; i < rays; i++)
-        for (uint32_t z = 0; z < v->slices; z++)
-            if (z < v->ranges[i].first || z >= v->ranges[i].end)
-                v->voxels[z * rays + i] = value < 0 ? (uint8_t)v_random(run, 256) : (uint8_t)value;
-}
-
-/* ----------------------------------------------------------------------------------------------- stage -- */
-
 enum { GUARD = 256, OBJECT_OFFSET = 64, RANGES_OFFSET = 12 };
 
-v_way v_standard_way(const v_subject *s) {
-    const sv_descriptor *d = s->descriptor;
-    return (v_way){.width = 31,
-                   .height = 26,
-                   .slices = 28,
-                   .longest = 11,
-                   .tiles_x = 3,
-                   .extra_w = 2,
-                   .extra_h = 1,
-                   .extra_pitch = 5,
-                   .carrier = SV_CARRIER_HOST,
-                   .own_queue = (d->queues & SV_QUEUE_HOST) == 0,
-                   .ranges = (d->features & SV_FEATURE_SCANNED) != 0,
-                   .padding = SV_NO_PADDING};
+static void need(const stage *st, cl_int code, const char *what) {
+    if (code != CL_SUCCESS) st->failed(st->data, what, code);
 }
 
-v_way v_sized(v_way way, uint32_t width, uint32_t height, uint32_t slices) {
-    way.longest = (uint32_t)(((uint64_t)way.longest * slices + way.slices - 1) / way.slices);
-    way.width = width;
-    way.height = height;
-    way.slices = slices;
-    return way;
+static void *memory_for(const stage *st, size_t bytes, const char *what) {
+    void *memory = calloc(1, bytes + 1);
+    if (!memory) st->failed(st->data, what, CL_SUCCESS);
+    return memory;
 }
 
 /* ---- the format */
-static void split(v_stage *st) {
-    const v_way *w = &st->way;
+static void split(stage *st) {
+    const stage_way *w = &st->way;
     for (uint32_t first = 0; first < w->slices; st->slab_count++) {
-        V_EXPECT(st->run, st->slab_count < V_MAX_SLABS, "the validator cuts %u slices into too many slabs",
-                 w->slices);
+        if (st->slab_count == STAGE_MAX_SLABS) st->failed(st->data, "fewer slabs", CL_SUCCESS);
         uint32_t length = w->lengths ? w->lengths[st->slab_count] : w->longest;
         if (length > w->slices - first || length == 0) length = w->slices - first;
         st->first[st->slab_count] = first;
@@ -147,8 +32,8 @@ static void split(v_stage *st) {
     }
 }
 
-static void describe(v_stage *st) {
-    const v_way *w = &st->way;
+static void describe(stage *st) {
+    const stage_way *w = &st->way;
     const uint32_t row = w->tiles_x * (w->width + w->extra_w);
     st->format = (sv_format){.size = sizeof st->format,
                              .width = w->width,
@@ -162,12 +47,12 @@ static void describe(v_stage *st) {
                              .tile_h = w->height + w->extra_h,
                              .row_pitch = row + w->extra_pitch,
                              .flags = w->ranges ? SV_FORMAT_SCANNED : 0,
+                             .spacing_mm = {w->spacing_mm[0], w->spacing_mm[1], w->spacing_mm[2]},
                              .values = w->fixed_count ? st->way.fixed : NULL,
                              .value_count = w->fixed_count};
-    if (!st->device) return;
-    st->format.context = st->device->context;
-    st->format.device = st->device->device;
-    st->format.queue = st->device->queue;
+    st->format.context = st->device.context;
+    st->format.device = st->device.device;
+    st->format.queue = st->device.queue;
 }
 
 /* The least bytes of a slab of n slices, as the header gives them at sv_slab. */
@@ -188,13 +73,13 @@ static size_t whole_pages(size_t bytes) {
 }
 
 /* Slabs one behind the other, each in pages of its own; behind the exact ones a page that cannot be read. */
-static void place_slabs(v_stage *st) {
+static void place_slabs(stage *st) {
     const sv_format *f = &st->format;
     const size_t rows = (f->max_slab_slices + f->tiles_x - 1) / f->tiles_x * f->tile_h;
     const size_t each = whole_pages(rows * f->row_pitch + 64), page = whole_pages(1);
     st->page_bytes = (each + page) * st->slab_count;
     void *pages = mmap(NULL, st->page_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    V_EXPECT(st->run, pages != MAP_FAILED, "no memory for slabs: the check could not be made");
+    if (pages == MAP_FAILED) st->failed(st->data, "memory for slabs", CL_SUCCESS);
     st->pages = pages;
     for (uint32_t n = 0; n < st->slab_count; n++) {
         uint8_t *start = st->pages + n * (each + page);
@@ -207,24 +92,20 @@ static void place_slabs(v_stage *st) {
     st->format.host_memory_bytes = st->page_bytes;
 }
 
-static void place_results(v_stage *st) {
+static void place_results(stage *st) {
     const size_t rays = (size_t)st->format.width * st->format.height;
     st->row_bytes = (st->format.width + st->way.pitch) * sizeof(float);
     st->depth_at = GUARD;
     st->status_at = st->depth_at + st->row_bytes * st->format.height + GUARD;
     st->stats_at = (st->status_at + rays + GUARD + 15) / 16 * 16;
     st->result_bytes = st->stats_at + sizeof(sv_stats) + GUARD;
-    st->results = v_memory(st->run, st->result_bytes);
+    st->results = memory_for(st, st->result_bytes, "memory for results");
 }
 
-static void need(const v_stage *st, cl_int code, const char *what) {
-    if (code != CL_SUCCESS) v_skip(st->run, "the OpenCL device refuses %s: %d", what, (int)code);
-}
-
-static void make_objects(v_stage *st) {
+static void make_objects(stage *st) {
     const sv_format *f = &st->format;
     const size_t rays = (size_t)f->width * f->height;
-    cl_context context = st->device->context;
+    cl_context context = st->device.context;
     cl_int code = CL_SUCCESS;
     for (uint32_t n = 0; n < st->slab_count && f->carrier != SV_CARRIER_HOST; n++) {
         const cl_image_format format = {CL_R, n % 2 ? CL_UNORM_INT8 : CL_UNSIGNED_INT8};
@@ -247,20 +128,20 @@ static void make_objects(v_stage *st) {
     need(st, code, "a buffer");
 }
 
-void v_stage_make(v_run *run, v_stage *st, const v_way *way, const v_device *device) {
-    memset(st, 0, sizeof *st);
-    st->run = run;
-    st->way = *way;
-    st->device = way->own_queue ? NULL : device;
+void stage_make(stage *st, const stage_way *way, const stage_device *device, stage_failure failed,
+                void *data) {
+    *st = (stage){.failed = failed, .data = data, .way = *way, .frame_flags = SV_FRAME_DISCONTINUITY};
+    if (!way->own_queue) st->device = *device;
     describe(st);
     split(st);
     place_slabs(st);
     place_results(st);
-    if (way->ranges) st->ranges = v_memory(run, sizeof(sv_scanned) * way->width * way->height);
-    if (st->device) make_objects(st);
+    if (way->ranges)
+        st->ranges = memory_for(st, sizeof(sv_scanned) * way->width * way->height, "memory for ranges");
+    if (st->device.context) make_objects(st);
 }
 
-void v_stage_free(v_stage *st) {
+void stage_free(stage *st) {
     for (uint32_t n = 0; n < st->slab_count; n++)
         if (st->objects[n]) (void)clReleaseMemObject(st->objects[n]);
     if (st->ranges_object) (void)clReleaseMemObject(st->ranges_object);
@@ -272,22 +153,22 @@ void v_stage_free(v_stage *st) {
 }
 
 /* ---- volumes */
-static void copy_slab(v_stage *st, const v_volume *v, uint32_t n) {
+static void copy_slab(stage *st, const uint8_t *voxels, uint32_t n) {
     const sv_format *f = &st->format;
     memset(st->memory[n], st->way.hatch, st->bytes[n]);
     for (uint32_t s = 0; s < st->length[n]; s++)
         for (uint32_t y = 0; y < f->height; y++) {
             const size_t row = (size_t)(s / f->tiles_x) * f->tile_h + y;
             memcpy(st->memory[n] + row * f->row_pitch + (size_t)(s % f->tiles_x) * f->tile_w,
-                   v->voxels + ((size_t)(st->first[n] + s) * v->height + y) * v->width, v->width);
+                   voxels + ((size_t)(st->first[n] + s) * f->height + y) * f->width, f->width);
         }
 }
 
-static void upload_slab(v_stage *st, uint32_t n) {
+static void upload_slab(stage *st, uint32_t n) {
     const sv_format *f = &st->format;
     const size_t zero[3] = {0, 0, 0};
     const size_t region[3] = {(size_t)f->tiles_x * f->tile_w, st->bytes[n] / f->row_pitch, 1};
-    cl_command_queue q = st->device->queue;
+    cl_command_queue q = st->device.queue;
     const cl_int code = f->carrier == SV_CARRIER_BUFFER
                             ? clEnqueueWriteBuffer(q, st->objects[n], CL_TRUE, OBJECT_OFFSET, st->bytes[n],
                                                    st->memory[n], 0, NULL, NULL)
@@ -296,22 +177,22 @@ static void upload_slab(v_stage *st, uint32_t n) {
     need(st, code, "an upload");
 }
 
-void v_stage_fill(v_stage *st, const v_volume *v) {
-    const size_t bytes = sizeof(sv_scanned) * v->width * v->height;
+void stage_fill(stage *st, const uint8_t *voxels, const sv_scanned *ranges) {
+    const size_t bytes = sizeof(sv_scanned) * st->format.width * st->format.height;
     for (uint32_t n = 0; n < st->slab_count; n++) {
-        copy_slab(st, v, n);
+        copy_slab(st, voxels, n);
         if (st->objects[n]) upload_slab(st, n);
     }
-    if (st->ranges) memcpy(st->ranges, v->ranges, bytes);
+    if (st->ranges) memcpy(st->ranges, ranges, bytes);
     if (st->ranges_object)
         need(st,
-             clEnqueueWriteBuffer(st->device->queue, st->ranges_object, CL_TRUE, RANGES_OFFSET, bytes,
-                                  v->ranges, 0, NULL, NULL),
+             clEnqueueWriteBuffer(st->device.queue, st->ranges_object, CL_TRUE, RANGES_OFFSET, bytes, ranges,
+                                  0, NULL, NULL),
              "an upload");
 }
 
 /* ---- what a call is given */
-sv_slab v_stage_slab(const v_stage *st, uint32_t n) {
+sv_slab stage_slab(const stage *st, uint32_t n) {
     const bool host = st->format.carrier == SV_CARRIER_HOST;
     return (sv_slab){.size = sizeof(sv_slab),
                      .first_slice = st->first[n],
@@ -322,9 +203,9 @@ sv_slab v_stage_slab(const v_stage *st, uint32_t n) {
                      .bytes = st->format.carrier == SV_CARRIER_IMAGE ? 0 : st->bytes[n]};
 }
 
-sv_frame v_stage_frame(const v_stage *st, const sv_param_value *values, uint32_t count) {
+sv_frame stage_frame(const stage *st, const sv_param_value *values, uint32_t count) {
     sv_frame frame = {.size = st->frame_size ? st->frame_size : sizeof frame,
-                      .flags = SV_FRAME_DISCONTINUITY,
+                      .flags = st->frame_flags,
                       .index = 1,
                       .values = values,
                       .value_count = count,
@@ -336,7 +217,7 @@ sv_frame v_stage_frame(const v_stage *st, const sv_param_value *values, uint32_t
     return frame;
 }
 
-sv_result v_stage_result(v_stage *st) {
+sv_result stage_result(stage *st) {
     return (sv_result){.size = sizeof(sv_result),
                        .depth_pitch = st->way.pitch && !st->depth_object ? (uint32_t)st->row_bytes : 0,
                        .depth = st->depth_object ? NULL : (float *)(void *)(st->results + st->depth_at),
@@ -346,22 +227,22 @@ sv_result v_stage_result(v_stage *st) {
                        .stats = (sv_stats *)(void *)(st->results + st->stats_at)};
 }
 
-void v_stage_poison(v_stage *st, uint8_t byte) {
+void stage_poison(stage *st, uint8_t byte) {
     memset(st->results, byte, st->result_bytes);
     ((sv_stats *)(void *)(st->results + st->stats_at))->size = sizeof(sv_stats);
     if (!st->depth_object) return;
     const size_t bytes = (size_t)st->format.width * st->format.height * sizeof(float) + 2 * OBJECT_OFFSET;
-    need(st, clEnqueueFillBuffer(st->device->queue, st->depth_object, &byte, 1, 0, bytes, 0, NULL, NULL),
+    need(st, clEnqueueFillBuffer(st->device.queue, st->depth_object, &byte, 1, 0, bytes, 0, NULL, NULL),
          "to fill a buffer");
 }
 
 /* ---- what must not have changed */
 /* All bytes of an object, to be freed. */
-static uint8_t *read_object(const v_stage *st, cl_mem object, size_t *bytes) {
+static uint8_t *read_object(const stage *st, cl_mem object, size_t *bytes) {
     cl_mem_object_type type = CL_MEM_OBJECT_BUFFER;
     size_t side[3] = {1, 1, 1};
     const size_t zero[3] = {0, 0, 0};
-    cl_command_queue q = st->device->queue;
+    cl_command_queue q = st->device.queue;
     need(st, clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL), "to tell an object's type");
     const bool image = type != CL_MEM_OBJECT_BUFFER;
     if (image) {
@@ -371,7 +252,7 @@ static uint8_t *read_object(const v_stage *st, cl_mem object, size_t *bytes) {
         (void)clGetMemObjectInfo(object, CL_MEM_SIZE, sizeof side[0], &side[0], NULL);
     }
     *bytes = side[0] * side[1];
-    uint8_t *out = v_memory(st->run, *bytes);
+    uint8_t *out = memory_for(st, *bytes, "memory for a copy");
     need(st,
          image ? clEnqueueReadImage(q, object, CL_TRUE, zero, side, 0, 0, out, 0, NULL, NULL)
                : clEnqueueReadBuffer(q, object, CL_TRUE, 0, *bytes, out, 0, NULL, NULL),
@@ -379,14 +260,14 @@ static uint8_t *read_object(const v_stage *st, cl_mem object, size_t *bytes) {
     return out;
 }
 
-static bool is_touched(const v_stage *st, size_t from, size_t to, uint8_t byte) {
+static bool is_touched(const stage *st, size_t from, size_t to, uint8_t byte) {
     for (size_t i = from; i < to; i++)
         if (st->results[i] != byte) return true;
     return false;
 }
 
 /* True if a byte around the map's buffer is another one. */
-static bool is_object_touched(const v_stage *st, uint8_t byte) {
+static bool is_object_touched(const stage *st, uint8_t byte) {
     size_t bytes = 0, touched = 0;
     uint8_t *all = read_object(st, st->depth_object, &bytes);
     for (size_t i = 0; i < OBJECT_OFFSET; i++) touched += all[i] != byte || all[bytes - 1 - i] != byte;
@@ -394,7 +275,7 @@ static bool is_object_touched(const v_stage *st, uint8_t byte) {
     return touched > 0;
 }
 
-const char *v_stage_trespass(const v_stage *st, uint8_t byte) {
+const char *stage_trespass(const stage *st, uint8_t byte) {
     const size_t rays = (size_t)st->format.width * st->format.height, row = st->format.width * sizeof(float);
     if (st->depth_object && is_object_touched(st, byte)) return "beside the map, in its buffer";
     if (is_touched(st, 0, st->depth_at, byte)) return "before the map";
@@ -419,7 +300,7 @@ static uint64_t sum(uint64_t h, const void *data, size_t bytes) {
     return h;
 }
 
-static uint64_t sum_object(const v_stage *st, uint64_t h, cl_mem object) {
+static uint64_t sum_object(const stage *st, uint64_t h, cl_mem object) {
     size_t bytes = 0;
     if (!object) return h;
     uint8_t *all = read_object(st, object, &bytes);
@@ -428,7 +309,7 @@ static uint64_t sum_object(const v_stage *st, uint64_t h, cl_mem object) {
     return h;
 }
 
-uint64_t v_stage_inputs(const v_stage *st) {
+uint64_t stage_inputs(const stage *st) {
     uint64_t h = 0xcbf29ce484222325u;
     for (uint32_t n = 0; n < st->slab_count; n++) {
         h = sum(h, st->memory[n], st->bytes[n]);
@@ -437,4 +318,19 @@ uint64_t v_stage_inputs(const v_stage *st) {
     h = sum_object(st, h, st->ranges_object);
     if (st->ranges) h = sum(h, st->ranges, sizeof(sv_scanned) * st->format.width * st->format.height);
     return sum(h, &st->format, sizeof st->format);
+}
+
+/* ---- frames */
+sv_status stage_run(const stage *st, const sv_plugin *p, const sv_param_value *values, uint32_t count,
+                    const sv_result *result) {
+    const sv_frame frame = stage_frame(st, values, count);
+    sv_status status = p->begin(p, &frame);
+    for (uint32_t n = 0; status == SV_OK && n < st->slab_count; n++) {
+        const sv_slab slab = stage_slab(st, n);
+        status = p->slab(p, &slab);
+    }
+    if (status == SV_OK) status = p->end(p, result);
+    /* After an error, too: slabs may still be on their way. */
+    if (st->device.queue) need(st, clFinish(st->device.queue), "clFinish after a frame");
+    return status;
 }
