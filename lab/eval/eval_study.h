@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The parameter space of a plugin over all cases: what is run, what is best, and another method beside it. */
+/* A plugin over all cases: as it is, and its parameter space: what is run and what is best. */
 #ifndef HS_EVAL_STUDY_H
 #define HS_EVAL_STUDY_H
 
@@ -32,7 +32,6 @@ typedef struct {
     uint64_t seed;
     const char *real;          /* the volume of the scene "real"; NULL: none */
     hs_metaimage_options read; /* how files are read */
-    const char *beside;        /* see hs_eval_beside_open */
     bool coarse;               /* a fifth of the positions on every axis */
     bool merge;                /* computes nothing: the shards' files must make the spaces whole */
     hs_eval_shard shard;
@@ -178,41 +177,18 @@ typedef struct {
 bool hs_eval_mean_make(hs_eval_mean *mean, const hs_eval_space *spaces, uint32_t count, hs_error *err);
 void hs_eval_mean_free(hs_eval_mean *mean);
 
-/* ----------------------------------------------------------------------------------------- two methods -- */
-/*
- * Another method of the same plugin beside the one whose space is studied: both on the same volumes, with the
- * true surface as the floor. What is compared is one setting for all cases.
- */
+/* ------------------------------------------------------------------------------------------- as it is -- */
+/* The plugin as a user gets it: what he set, defaults for the rest, nothing chosen by the truth. */
 
-/* The columns: one setting for all cases each. */
-typedef enum {
-    HS_BESIDE_DEFAULT, /* the studied method at its defaults */
-    HS_BESIDE_KNOB,    /* the same, its knob where the mean e_abs over the cases is lowest */
-    HS_BESIDE_TUNED,   /* the same, T_B by Delta_MI, k and knob where it is lowest (Table 5.3, one knob) */
-    HS_BESIDE_OTHER,   /* the other method at its defaults */
-    HS_BESIDE_TRUTH,   /* the scene's own clipping surface as a depthmap: no map of this size can be better */
-    HS_BESIDE_COUNT
-} hs_beside_way;
-
-/* Two methods beside each other. Owned by the caller. */
 typedef struct {
-    bool exists;
-    const hs_cl *cl;
-    const hs_plugin *plugin;
-    char first_name[64], other_name[64];                   /* "mean", "wall" */
-    hs_eval_values first, other;                           /* without the knob */
-    hs_eval_knob knob;                                     /* of the studied method */
-    uint32_t best;                                         /* HS_BESIDE_KNOB's position */
-    hs_measures line[HS_EVAL_MAX_CASES][HS_EVAL_MAX_LINE]; /* over the knob */
-    hs_measures of[HS_EVAL_MAX_CASES][HS_BESIDE_COUNT];    /* NAN: not known */
-    uint32_t repeats;                                      /* frames of a measurement of speed; 0: none */
-    double ms[HS_EVAL_MAX_CASES];           /* hs_eval_case_time of the other method; NAN: not measured */
-    bool has_confidence[HS_EVAL_MAX_CASES]; /* the other method gave one, and its picture is there */
-} hs_eval_beside;
-
-/* Mean over the first `count` cases; NAN if one is not known. */
-double hs_eval_beside_mean(const hs_eval_beside *beside, uint32_t count, hs_beside_way way,
-                           hs_measure measure);
+    char name[64];         /* the value of its parameter "method"; without one the plugin's id */
+    hs_eval_values values; /* what the user set */
+    hs_measures of[HS_EVAL_MAX_CASES];
+    sv_status outcome[HS_EVAL_MAX_CASES];
+    double ms[HS_EVAL_MAX_CASES];    /* hs_eval_case_time; NAN: not measured */
+    double floor[HS_EVAL_MAX_CASES]; /* e_abs of the scene's own clipping surface as a depthmap: no map of
+                                      * this size can be better; NAN: files have none */
+} hs_eval_plain;
 
 /* ----------------------------------------------------------------------------------------------- study -- */
 /* A whole study: the cases of `host_sim report`, their parameter spaces, and what came of them. */
@@ -229,6 +205,8 @@ typedef struct {
     hs_measures shown;       /* measured the direct way at `common` */
     sv_status shown_outcome; /* of the plugin there */
     bool truth_cut;          /* the truth's picture shows a cut (hs_truth_shows_cut) */
+    bool sure;               /* the plugin gave a confidence, and its picture is there */
+    char note[200];          /* of the plain result: why it is not clipped, or not all of it; "": it is */
     uint32_t turns;          /* pictures of the knob: 0 if it cannot be turned */
     double turn[HS_EVAL_TURNS];
     uint32_t turned; /* the one nearest to `common` */
@@ -247,8 +225,8 @@ typedef struct hs_eval_study {
     hs_eval_space space[HS_EVAL_MAX_CASES];
     hs_eval_result result[HS_EVAL_MAX_CASES];
     hs_eval_mean mean;
-    hs_eval_beside beside; /* another method of the plugin */
-    uint32_t curves;       /* Figure 5.20; 0: not measured */
+    hs_eval_plain plain;
+    uint32_t curves; /* Figure 5.20; 0: not measured */
     double curve_threshold[HS_EVAL_CURVES];
     double curve_fps[HS_EVAL_CURVES][HS_EVAL_MAX_LINE]; /* by kernel: frames of the plugin a second */
     char curve_case[64];
@@ -270,8 +248,8 @@ bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, h
 /*
  * Cases are measured in their order, each in three steps. Begin opens the case, and its space without
  * results. Then the caller fills the space: from files, by hs_eval_space_run, or both. Finish measures this
- * case's share of options->check the direct way, keeps the plugin's first failure, and measures the other
- * method unless this is a shard; only hs_eval_case_close may follow. If begin fails the case is closed.
+ * case's share of options->check the direct way, keeps the plugin's first failure, and measures the plugin as
+ * it is unless this is a shard; only hs_eval_case_close may follow. If begin fails the case is closed.
  */
 bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
 bool hs_eval_study_finish(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);

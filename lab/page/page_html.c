@@ -29,10 +29,7 @@ static const char head[] =
     ".small{gap:.5rem}.small figure{flex:1 1 0;max-width:23rem}\n"
     "img{width:100%;height:auto;display:block;border-radius:4px;background:#000}\n"
     "figcaption{font-size:.9rem;color:var(--quiet);margin-top:.3rem}\n"
-    ".wide{overflow-x:auto}\n"
-    ".row.wide figcaption{position:sticky;left:0;width:fit-content;max-width:min(100vw - 2rem,46rem)}\n"
-    ".row.wide{flex-wrap:nowrap}.row.wide figure{min-width:38rem;max-width:none}.row.wide figure:only-child{"
-    "min-width:70rem}\n"
+    ".row.wide figure{flex-basis:36rem;max-width:none}\n"
     "dl{display:flex;flex-wrap:wrap;gap:.5rem 2rem;margin:1rem 0}dl div{display:flex;"
     "flex-direction:column-reverse}\n"
     "dt{color:var(--quiet);font-size:.9rem}dd{margin:0;font-size:1.6rem;font-weight:600;"
@@ -43,18 +40,24 @@ static const char head[] =
     "tr:first-child>*{white-space:normal;vertical-align:bottom}\n"
     "th:first-child,td:first-child{text-align:left}tr:first-child>*{"
     "border-bottom:2px solid var(--quiet);font-weight:600}\n"
-    "pre{overflow-x:auto;background:var(--shade);padding:.8rem;font-size:.8rem;line-height:1.35}\n"
+    "pre{white-space:pre-wrap;background:var(--shade);padding:.8rem;font-size:.8rem;line-height:1.35}\n"
     "summary{cursor:pointer}\n"
-    ".plot{display:block;width:100%;min-width:44rem;max-width:50rem;height:auto;margin:1rem 0;"
+    ".plot{display:block;width:100%;max-width:50rem;height:auto;margin:1rem 0;overflow:visible;"
     "background:#fff;border-radius:4px;box-sizing:border-box;padding:.4rem}\n"
     ".slider{flex:1 1 13rem;max-width:22rem}.slider input{display:block;width:100%;margin:.4rem 0}"
     ".slider figure[hidden]{display:none}\n"
-    "@media print{:root{color-scheme:light}table{font-size:.65rem}.plot{min-width:0}th,td{padding:.2rem "
+    "@media (max-width:50rem){.many tr{display:flex;flex-wrap:wrap;gap:0 1rem;padding:.5rem 0;"
+    "border-bottom:1px solid var(--line)}.many tr:first-child{display:none}.many th,.many td{display:block;"
+    "border:0;padding:0}.many th{flex-basis:100%}.many td{font-weight:600}.many td::before{"
+    "content:attr(data-head) ' ';font-weight:400;color:var(--quiet)}th,td{white-space:normal}}\n"
+    "@media screen and (max-width:30rem){.plot text{font-size:19px}.plot .title text{font-size:15px}.plot "
+    ".odd{display:none}}\n"
+    "@media print{:root{color-scheme:light}table{font-size:.65rem}th,td{padding:.2rem "
     ".3rem}nav,.slider "
     "input{display:none}h2,h3,figure,svg,tr{break-inside:avoid;"
-    "break-after:auto}h2,h3{break-after:avoid}.wide{overflow:visible}.row.wide{"
-    "flex-wrap:wrap}.row.wide figure{min-width:0!important;flex-basis:60%}pre{font-size:.6rem;"
-    "white-space:pre-wrap}details::details-content{content-visibility:visible;height:auto}}\n"
+    "break-after:auto}h2,h3{break-after:avoid}.row.wide figure{"
+    "flex-basis:60%}pre{font-size:.6rem}"
+    "details::details-content{content-visibility:visible;height:auto}}\n"
     "</style>\n<title>";
 
 static bool part_open(hs_page_part *part) {
@@ -169,7 +172,7 @@ void hs_page_small_row_begin(hs_page *page) {
 }
 
 void hs_page_wide_row_begin(hs_page *page) {
-    put(page, "<div class=\"row wide\" tabindex=\"0\">\n");
+    put(page, "<div class=\"row wide\">\n");
 }
 
 void hs_page_row_end(hs_page *page) {
@@ -254,22 +257,42 @@ const char *hs_page_slices_caption(bool clipped) {
                : "The result beside three slices: nothing is removed; scales in mm";
 }
 
+enum { MANY = 5 }; /* columns from which a table is too wide for a phone */
+
 void hs_page_table_begin(hs_page *page) {
-    put(page, "<div class=\"wide\" tabindex=\"0\"><table>\n");
+    page->heads[0] = NULL;
 }
 
-void hs_page_table_row(hs_page *page, const char *const *cells, unsigned count) {
-    put(page, "<tr>");
-    for (unsigned i = 0; i < count; i++) {
-        put(page, i ? "<td>" : "<th>");
+static void put_cells(hs_page *page, const char *const *cells, unsigned count) {
+    put(page, "<tr><th>");
+    put_text(page, cells[0]);
+    put(page, "</th>");
+    for (unsigned i = 1; i < count; i++) {
+        put(page, "<td data-head=\"");
+        put_text(page, page->heads[i] ? page->heads[i] : "");
+        put(page, "\">");
         put_text(page, cells[i]);
-        put(page, i ? "</td>" : "</th>");
+        put(page, "</td>");
     }
     put(page, "</tr>\n");
 }
 
+void hs_page_table_row(hs_page *page, const char *const *cells, unsigned count) {
+    if (!page->heads[0]) {
+        put(page, count >= MANY ? "<table class=\"many\">\n" : "<table>\n");
+        for (unsigned i = 0; i < count && i < HS_PAGE_COLUMNS; i++)
+            if (!(page->heads[i] = strdup(cells[i])))
+                (void)hs_fail(&page->error, HS_ERR_MEMORY, "page: no memory for a table");
+    }
+    put_cells(page, cells, count < HS_PAGE_COLUMNS ? count : HS_PAGE_COLUMNS);
+}
+
 void hs_page_table_end(hs_page *page) {
-    put(page, "</table></div>\n");
+    for (unsigned i = 0; i < HS_PAGE_COLUMNS; i++) {
+        free(page->heads[i]);
+        page->heads[i] = NULL;
+    }
+    put(page, "</table>\n");
 }
 
 void hs_page_markup(hs_page *page, const char *markup) {

@@ -13,12 +13,15 @@ typedef struct {
     size_t bytes;
 } hs_page_part;
 
+enum { HS_PAGE_COLUMNS = 40 };
+
 /* A page under way. The first error is kept in it, so that only hs_page_close need be checked. Must not move
  * while open. */
 typedef struct {
     hs_output_file output;
     hs_error error;
     bool has_slider;                      /* the script is needed */
+    char *heads[HS_PAGE_COLUMNS];         /* of the table under way; NULL behind the last */
     unsigned headings;                    /* of level 2 so far */
     hs_page_part before, contents, after; /* what stands before the list of contents, it, and after it */
     hs_page_part *to;                     /* what is written now */
@@ -59,7 +62,8 @@ const char *hs_page_slices_caption(bool clipped);
 /* hs_page_picture as JPEG, for renderings: a sixth of the bytes, with a loss that speckle hides. */
 void hs_page_photo(hs_page *page, const char *path, const char *alt, const char *caption);
 
-/* A table: the first row given is its head, the first cell of a row its heading. */
+/* A table: the first row given is its head, the first cell of a row its heading. On a phone the rows of one
+ * with many columns are lists of heads and values. */
 void hs_page_table_begin(hs_page *page);
 void hs_page_table_row(hs_page *page, const char *const *cells, unsigned count);
 void hs_page_table_end(hs_page *page);

@@ -39,17 +39,23 @@ static void hs_plot_text(FILE *out, double x, double y, const char *anchor, cons
     (void)fprintf(out, "</text>\n");
 }
 
+/* Label `index` below the x axis; a phone leaves out every other. */
+static void hs_plot_tick(FILE *out, double x, uint32_t index, const char *text) {
+    (void)fprintf(out, "<g%s>", index % 2 ? " class=\"odd\"" : "");
+    hs_plot_text(out, x, HS_PLOT_BOTTOM + 16, "middle", text);
+    (void)fprintf(out, "</g>\n");
+}
+
 /* Begins the figure: title, axis labels, font. */
 static void hs_plot_begin(FILE *out, const char *title, const char *x_label, const char *y_label) {
     const double middle_x = (HS_PLOT_LEFT + HS_PLOT_RIGHT) / 2.0;
     const double middle_y = (HS_PLOT_TOP + HS_PLOT_BOTTOM) / 2.0;
-    (void)fprintf(out,
-                  "<div class=\"wide\"><svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-label=\"",
-                  HS_PLOT_WIDTH, HS_PLOT_HEIGHT);
+    (void)fprintf(out, "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-label=\"", HS_PLOT_WIDTH,
+                  HS_PLOT_HEIGHT);
     escape(out, title);
     (void)fprintf(out, "\" font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"#1c2024\">\n<title>");
     escape(out, title);
-    (void)fprintf(out, "</title>\n<g font-size=\"14\" font-weight=\"600\">");
+    (void)fprintf(out, "</title>\n<g class=\"title\" font-size=\"14\" font-weight=\"600\">");
     hs_plot_text(out, HS_PLOT_LEFT, HS_PLOT_TOP - 14, "start", title);
     (void)fprintf(out, "</g>\n");
     hs_plot_text(out, middle_x, HS_PLOT_HEIGHT - 12, "middle", x_label);
@@ -59,7 +65,7 @@ static void hs_plot_begin(FILE *out, const char *title, const char *x_label, con
 }
 
 static void hs_plot_end(FILE *out) {
-    (void)fprintf(out, "</svg></div>\n");
+    (void)fprintf(out, "</svg>\n");
 }
 
 /* The y of a value on an axis from 0 to `top`. */
@@ -175,9 +181,10 @@ void hs_plot_heat_write(FILE *out, const hs_plot_heat *plot) {
                 out, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"#%06x\"/>\n", x,
                 HS_PLOT_BOTTOM - (i + 1) * h, w + 0.5, h + 0.5, hs_colour_viridis(colour_at(r, value)));
         }
-        if (c % ((plot->columns + 9) / 10) != 0) continue;
+        const uint32_t every = (plot->columns + 9) / 10;
+        if (c % every != 0) continue;
         (void)snprintf(text, sizeof text, "%.2f", plot->x[c]);
-        hs_plot_text(out, x + w / 2, HS_PLOT_BOTTOM + 16, "middle", text);
+        hs_plot_tick(out, x + w / 2, c / every, text);
     }
     for (uint32_t i = 0; i < plot->rows; i += (plot->rows + 7) / 8) {
         (void)snprintf(text, sizeof text, "%.6g", plot->y[i]);
@@ -217,7 +224,7 @@ static void draw_group(FILE *out, const hs_plot_bars *plot, uint32_t group, doub
                       value);
         if (plot->stacked) below += value;
     }
-    hs_plot_text(out, x + 0.35 * w, HS_PLOT_BOTTOM + 16, "middle", plot->group[group]);
+    hs_plot_tick(out, x + 0.35 * w, group, plot->group[group]);
 }
 
 void hs_plot_bars_write(FILE *out, const hs_plot_bars *plot) {
@@ -241,10 +248,11 @@ void hs_plot_lines_write(FILE *out, const hs_plot_lines *plot) {
             largest = fmax(largest, plot->value[(size_t)i * plot->stride + p]);
     hs_plot_begin(out, plot->title, plot->x_label, plot->y_label);
     const double top = hs_plot_y_axis(out, largest);
-    for (uint32_t p = 0; p < plot->points; p += (plot->points + 15) / 16) {
+    const uint32_t every = (plot->points + 15) / 16;
+    for (uint32_t p = 0; p < plot->points; p += every) {
         (void)snprintf(text, sizeof text, "%.6g", plot->x[p]);
-        hs_plot_text(out, HS_PLOT_LEFT + (HS_PLOT_RIGHT - HS_PLOT_LEFT) * (plot->x[p] - first) / span,
-                     HS_PLOT_BOTTOM + 16, "middle", text);
+        hs_plot_tick(out, HS_PLOT_LEFT + (HS_PLOT_RIGHT - HS_PLOT_LEFT) * (plot->x[p] - first) / span,
+                     p / every, text);
     }
     for (uint32_t i = 0; i < plot->series; i++) {
         (void)fprintf(out, "<path fill=\"none\" stroke-width=\"2\" stroke=\"#%06x\" d=\"", hs_plot_colour(i));

@@ -95,10 +95,6 @@ static const hs_option options[] = {
      "a plugin parameter; repeatable; see 'host_sim list'; a plugin that has the mean\n"
      "filter is studied with method=mean, as in the thesis, unless this names another\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_set},
-    {"beside", "'KEY=VALUE ...'",
-     "another setting of the plugin that is set beside the studied one, or none\n"
-     "[method=wall, if the plugin has it and --set names no method]\n",
-     HS_OPTION_TEXT, AT(beside), 0, 0, NULL},
     {"coarse", NULL, "every fifth position on every axis of the parameter space\n", HS_OPTION_FLAG,
      AT(coarse), 0, 0, NULL},
     {"quick", NULL, "small scenes (96), --coarse, few frames: to see what the page looks like\n",

@@ -67,39 +67,47 @@ static void put_verdict(hs_page *page, const hs_demo_case *c) {
     hs_page_text(page, text);
 }
 
-/* The scene of a fetus of which least is cut and left; NULL: none was clipped. */
-static const hs_demo_case *best_of(const hs_demo_case *cases, uint32_t count) {
-    const hs_demo_case *best = NULL;
+/* A share that the synthetic cases have: its mean, and the largest with its case. NAN: none has it. */
+typedef struct {
+    double mean, worst;
+    const char *of;
+} summary;
+
+static summary summarise(const hs_demo_case *cases, uint32_t count, bool cut) {
+    summary s = {.mean = (double)NAN, .worst = -1.0};
+    double sum = 0.0;
+    uint32_t known_cases = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const hs_demo_case *c = &cases[i];
-        if (!c->clipped || !c->scene || c->file[0] || isnan(c->cut)) continue;
-        if (!best || c->cut + known(c->left) < best->cut + known(best->left)) best = c;
+        const double share = cut ? cases[i].cut : cases[i].left;
+        if (!cases[i].scene || cases[i].file[0] || isnan(share)) continue;
+        sum += share;
+        known_cases++;
+        if (share > s.worst) s = (summary){.worst = share, .of = cases[i].name};
     }
-    return best;
+    if (known_cases > 0) s.mean = sum / known_cases;
+    return s;
 }
 
-/* What a reader came for: the best case in pictures, one sentence, three figures. */
-static void put_answer(hs_page *page, const char *out, const hs_demo_case *cases, uint32_t count) {
-    static const char *const names[3] = {"of the fetus cut", "of what hides it left",
-                                         "a volume, in the plugin"};
-    char text[500], cut[16], left[16], ms[16];
-    const hs_demo_case *best = best_of(cases, count);
-    if (!best) {
-        hs_page_text(page, "No case with a ground truth was clipped.");
+/* What a reader came for: what it does, and how well in the mean and in the worst case. */
+static void put_answer(hs_page *page, const hs_demo_case *cases, uint32_t count) {
+    const summary of[2] = {summarise(cases, count, true), summarise(cases, count, false)};
+    static const char *const words[2] = {"of the fetus cut", "of what hides it left"};
+    char names[2][200], values[2][16], worst[16];
+    hs_page_text(page,
+                 "SmartVis finds a surface in the fluid before the fetus and starts the picture there, so "
+                 "that what hides the fetus is gone. For research, not a medical device.");
+    if (isnan(of[0].mean)) {
+        hs_page_text(page, "No case has a ground truth to tell how well.");
         return;
     }
-    hs_page_small_row_begin(page);
-    show_renderings(page, out, best);
-    (void)snprintf(
-        text, sizeof text,
-        "SmartVis finds a surface in the fluid before the fetus and starts the picture there, so that "
-        "what hides the fetus is gone: here in the best of the cases below, \"%s\".",
-        best->name);
-    hs_page_text(page, text);
-    percent(best->cut, cut);
-    percent(best->left, left);
-    (void)snprintf(ms, sizeof ms, "%.1f ms", best->plugin_ms);
-    hs_page_numbers(page, names, (const char *const[3]){cut, left, ms}, 3);
+    for (int i = 0; i < 2; i++) {
+        percent(of[i].mean, values[i]);
+        percent(of[i].worst, worst);
+        (void)snprintf(names[i], sizeof names[i], "%s in the mean of the synthetic cases (worst: %s, %s)",
+                       words[i], worst, of[i].of);
+    }
+    hs_page_numbers(page, (const char *const[2]){names[0], names[1]},
+                    (const char *const[2]){values[0], values[1]}, 2);
 }
 
 static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
@@ -131,11 +139,12 @@ static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
     hs_page_folded(page, "Times and statistics", c->printed ? c->printed : "");
 }
 
-static void put_case(hs_page *page, const char *out, const hs_demo_case *c) {
+/* The first case's renderings stand on top of the page. */
+static void put_case(hs_page *page, const char *out, const hs_demo_case *c, bool first) {
     hs_page_heading(page, 2, c->name);
     put_verdict(page, c);
-    if (!c->real) { /* which stands on top of the page */
-        hs_page_text(page, c->what);
+    hs_page_text(page, c->what);
+    if (!first) {
         hs_page_small_row_begin(page);
         show_renderings(page, out, c);
     }
@@ -173,21 +182,22 @@ static void put_speed(hs_page *page, const hs_demo_case *cases, uint32_t count) 
 }
 
 void hs_demo_page(hs_page *page, const char *out, const hs_demo_case *cases, uint32_t count) {
-    if (count > 0 && cases[0].real) {
-        hs_page_row_begin(page);
+    if (count > 0) {
+        hs_page_small_row_begin(page);
         show_renderings(page, out, &cases[0]);
-        hs_page_text(page, source_of_real);
+        hs_page_text(page, cases[0].real ? source_of_real : cases[0].name);
+        if (cases[0].note[0]) hs_page_text(page, cases[0].note);
     }
-    put_answer(page, out, cases, count);
+    put_answer(page, cases, count);
+    hs_page_contents(page);
+    for (uint32_t i = 0; i < count; i++) put_case(page, out, &cases[i], i == 0);
+    put_speed(page, cases, count);
+    hs_page_heading(page, 2, "What the words mean");
     hs_page_text(
         page, "Cut is the share of the fetus that is cut by more than two steps of a ray, left the share of "
               "the rays on which more than two steps of the occluder, which hides it, are left; a step is "
-              "one slice "
-              "of the volume. Grey is tissue that the surface cuts, or where the scan ends.");
+              "one slice of the volume. Grey is tissue that the surface cuts, or where the scan ends.");
     hs_page_text(page,
                  "The synthetic cases follow figures of the thesis from which SmartVis comes, Application of "
                  "Smart Visibility on Medical 3D Ultrasound Datasets.");
-    hs_page_contents(page);
-    for (uint32_t i = 0; i < count; i++) put_case(page, out, &cases[i]);
-    put_speed(page, cases, count);
 }

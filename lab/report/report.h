@@ -85,24 +85,32 @@ bool hs_eval_row_has(const hs_eval_study *study, hs_eval_table_kind kind, uint32
 /* One sentence: what the table shows. */
 void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, char *out, size_t bytes);
 
-/* Both tables, and that of two methods beside each other, to a terminal. */
+/* The plugin as it is, and both tables, to a terminal. */
 void hs_eval_study_print(const hs_eval_study *study, FILE *out);
 
-/* The same as "best.csv", "common.csv" and "beside.csv" in the study's folder.
- * HS_ERR_OUTPUT names the file. */
+/* The same as "plain.csv", "best.csv" and "common.csv" in the study's folder. HS_ERR_OUTPUT names the file.
+ */
 bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err);
 
-/* -------------------------------------------------------------------------------- table of two methods -- */
-/* The table of two methods beside each other, for the terminal, the CSV file and the page alike. */
+/* ------------------------------------------------------------------------------------ plugin as it is -- */
+/* Its table, for the terminal, the CSV file and the page alike. */
 
-#define HS_BESIDE_CELLS 14u
-#define HS_BESIDE_CELL  48u /* bytes */
+enum {
+    HS_PLAIN_ABS,
+    HS_PLAIN_CUT,  /* percent */
+    HS_PLAIN_LEFT, /* percent */
+    HS_PLAIN_MS,
+    HS_PLAIN_UNCLIPPED,
+    HS_PLAIN_FLOOR,
+    HS_PLAIN_COUNT
+};
+extern const char *const hs_eval_plain_head[HS_PLAIN_COUNT];
 
-/* The table as cells of text: row 0 is the head, 1 .. count the cases, count + 1 the means. */
-void hs_eval_beside_row(const hs_eval_study *study, uint32_t row, char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL]);
+/* The numbers of a case; index == study->count: the means over the cases that have them. NAN: not known. */
+void hs_eval_plain_row(const hs_eval_study *study, uint32_t index, double out[HS_PLAIN_COUNT]);
 
-/* False if no case has anything in the column, as hs_eval_row_has. */
-bool hs_eval_beside_has(const hs_eval_study *study, uint32_t column);
+/* The case whose number is largest, or study->count if none is known. */
+uint32_t hs_eval_plain_worst(const hs_eval_study *study, int column, double *out);
 
 /* --------------------------------------------------------------------------------------------- ranking -- */
 /* The ranking of a comparison, for the terminal and the CSV file. */
@@ -166,11 +174,8 @@ void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study);
 /* Nothing if no speed was measured. */
 void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study);
 
-/* ----------------------------------------------------------------------------------------- two methods -- */
-/* The page's section of two methods beside each other: table, legends, and every case in pictures. */
-
-/* Nothing if there is no other method. Errors are kept in the page. */
-void hs_eval_page_beside(hs_page *report, const hs_eval_study *study);
+/* What the colours of error pictures mean, and of confidence pictures. */
+void hs_eval_page_legends(hs_page *report, bool with_confidence);
 
 /* ------------------------------------------------------------------------------------- page of a study -- */
 /* The page of a study: tables, figures and every case in pictures. */

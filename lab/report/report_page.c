@@ -4,9 +4,11 @@
 #include "base/paths.h"
 #include "loop/clipper.h"
 #include "page/plot.h"
+#include "plugin/loader_param.h"
 
 #include <limits.h>
 #include <math.h>
+#include <string.h>
 
 /* ----------------------------------------------------------------------------------------------- study -- */
 
@@ -30,155 +32,153 @@ static void put_table(hs_page *report, const hs_eval_study *study, hs_eval_table
 }
 
 /* ------------------------------------------------------------------------------------ what comes first -- */
-/* The default method of a plugin that has the thesis', too; else the studied one at its common setting. */
+/* The plugin as it is, in figures and pictures. */
 
-static const hs_measures *first_measures(const hs_eval_study *study, uint32_t index) {
-    return study->beside.exists ? &study->beside.of[index][HS_BESIDE_OTHER] : &study->result[index].shown;
+static const char *percent(double share, char out[32]) {
+    (void)snprintf(out, 32, "-");
+    if (!isnan(share)) (void)snprintf(out, 32, "%.1f\u00a0%%", share);
+    return out;
 }
 
-static double first_ms(const hs_eval_study *study, uint32_t index) {
-    const hs_eval_result *r = &study->result[index];
-    if (study->beside.exists) return study->beside.repeats ? study->beside.ms[index] : (double)NAN;
-    return r->has_speed ? r->speed[HS_SETTING_SMARTVIS].stage[HS_STAGE_PLUGIN].median : (double)NAN;
-}
-
-enum { FIRST_ABS, FIRST_CUT, FIRST_LEFT, FIRST_MS, FIRST_UNCLIPPED, FIRST_FLOOR, FIRST_COUNT };
-static const char *const first_head[FIRST_COUNT + 1] = {
-    "case", "e_abs", "cut [%]", "left [%]", "plugin [ms]", "e_abs unclipped", "e_abs of the true surface"};
-
-/* The numbers of a case; NAN where one is not known. */
-static void first_row(const hs_eval_study *study, uint32_t index, double out[FIRST_COUNT]) {
-    const hs_measures *m = first_measures(study, index);
-    out[FIRST_ABS] = (double)m->of[HS_MEASURE_ABS];
-    out[FIRST_CUT] = 100 * (double)m->of[HS_MEASURE_FETUS_CUT];
-    out[FIRST_LEFT] = 100 * (double)m->of[HS_MEASURE_OCCLUDER_LEFT];
-    out[FIRST_MS] = first_ms(study, index);
-    out[FIRST_UNCLIPPED] = (double)study->result[index].unclipped.of[HS_MEASURE_ABS];
-    out[FIRST_FLOOR] = study->beside.exists
-                           ? (double)study->beside.of[index][HS_BESIDE_TRUTH].of[HS_MEASURE_ABS]
-                           : (double)NAN;
-}
-
-/* Over the cases that have it. */
-static void first_means(const hs_eval_study *study, double mean[FIRST_COUNT]) {
-    double row[FIRST_COUNT];
-    uint32_t known[FIRST_COUNT] = {0};
-    for (int k = 0; k < FIRST_COUNT; k++) mean[k] = 0;
-    for (uint32_t i = 0; i < study->count; i++) {
-        first_row(study, i, row);
-        for (int k = 0; k < FIRST_COUNT; k++)
-            if (!isnan(row[k])) {
-                mean[k] += row[k];
-                known[k]++;
-            }
+/* The means, each with the case that is worst. */
+static void put_means(hs_page *report, const hs_eval_study *study) {
+    static const struct {
+        int column;
+        const char *unit, *name;
+    } shown[4] = {{HS_PLAIN_CUT, "\u00a0%", "of the fetus cut"},
+                  {HS_PLAIN_LEFT, "\u00a0%", "of what hides it left"},
+                  {HS_PLAIN_ABS, " steps", "mean error e_abs"},
+                  {HS_PLAIN_MS, "\u00a0ms", "a volume, in the plugin"}};
+    double mean[HS_PLAIN_COUNT];
+    char values[4][32], names[4][128];
+    const char *name[4], *value[4];
+    unsigned count = 0;
+    hs_eval_plain_row(study, study->count, mean);
+    for (int i = 0; i < 4; i++) {
+        double most;
+        const uint32_t index = hs_eval_plain_worst(study, shown[i].column, &most);
+        if (index == study->count) continue;
+        (void)snprintf(values[i], sizeof values[i], "%.1f%s", mean[shown[i].column], shown[i].unit);
+        (void)snprintf(names[i], sizeof names[i], "%s (worst: %.1f%s, %.40s)", shown[i].name, most,
+                       shown[i].unit, study->space[index].name);
+        name[count] = names[i];
+        value[count++] = values[i];
     }
-    for (int k = 0; k < FIRST_COUNT; k++) mean[k] = known[k] ? mean[k] / known[k] : (double)NAN;
+    hs_page_numbers(report, name, value, count);
+}
+
+/* Full volume, result, ground truth: the order of every page. Why a result is not clipped stands below it. */
+static void put_plain_case(hs_page *report, const hs_eval_study *study, uint32_t index) {
+    const hs_eval_result *r = &study->result[index];
+    const bool clipped = hs_outcome_clips(study->plain.outcome[index]);
+    double row[HS_PLAIN_COUNT];
+    char caption[320], cut[32], left[32];
+    hs_eval_plain_row(study, index, row);
+    (void)snprintf(caption, sizeof caption, "Result: %scut %s, left %s", clipped ? "" : "not clipped, ",
+                   percent(row[HS_PLAIN_CUT], cut), percent(row[HS_PLAIN_LEFT], left));
+    hs_page_small_row_begin(report);
+    hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
+    hs_eval_page_show(report, study, index, "plain.png", "rendering of the result", caption);
+    hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth",
+                      hs_page_truth_caption(r->truth_cut));
+    hs_page_row_end(report);
+    if (r->note[0]) hs_page_text(report, r->note);
+}
+
+static void put_plain_details(hs_page *report, const hs_eval_study *study, uint32_t index) {
+    hs_page_fold_begin(report, "Error of every ray, and the plugin's confidence");
+    hs_page_small_row_begin(report);
+    hs_eval_page_show(report, study, index, "plain_error.png", "error of every ray", "Error");
+    if (study->result[index].sure)
+        hs_eval_page_show(report, study, index, "plain_confidence.png", "confidence", "Confidence");
+    hs_page_row_end(report);
+    hs_page_fold_end(report);
 }
 
 /* A column that is nowhere known is not there. */
-static void first_table(hs_page *report, const hs_eval_study *study, const double mean[FIRST_COUNT]) {
+static void put_plain_table(hs_page *report, const hs_eval_study *study) {
+    double mean[HS_PLAIN_COUNT], row[HS_PLAIN_COUNT];
+    hs_eval_plain_row(study, study->count, mean);
     hs_page_table_begin(report);
     for (uint32_t r = 0; r <= study->count + 1; r++) {
-        double row[FIRST_COUNT];
-        char text[FIRST_COUNT][32];
-        const char *cells[FIRST_COUNT + 1] = {r == 0              ? first_head[0]
-                                              : r <= study->count ? study->space[r - 1].name
-                                                                  : "mean"};
+        char text[HS_PLAIN_COUNT][32];
+        const char *cells[HS_PLAIN_COUNT + 1] = {r == 0              ? "case"
+                                                 : r <= study->count ? study->space[r - 1].name
+                                                                     : "mean"};
         uint32_t columns = 1;
-        if (r > 0 && r <= study->count) first_row(study, r - 1, row);
-        for (int k = 0; k < FIRST_COUNT; k++) {
-            const double value = r > study->count ? mean[k] : r > 0 ? row[k] : 0;
+        if (r > 0) hs_eval_plain_row(study, r - 1, row);
+        for (int k = 0; k < HS_PLAIN_COUNT; k++) {
             if (isnan(mean[k])) continue;
-            (void)snprintf(text[k], sizeof text[k], isnan(value) ? "-" : "%.2f", value);
-            cells[columns++] = r == 0 ? first_head[k + 1] : text[k];
+            if (r > 0) (void)snprintf(text[k], sizeof text[k], isnan(row[k]) ? "-" : "%.2f", row[k]);
+            cells[columns++] = r == 0 ? hs_eval_plain_head[k] : text[k];
         }
         hs_page_table_row(report, cells, columns);
     }
     hs_page_table_end(report);
 }
 
-static void first_case(hs_page *report, const hs_eval_study *study, uint32_t index) {
-    const bool beside = study->beside.exists;
-    double row[FIRST_COUNT];
-    char caption[128];
-    first_row(study, index, row);
-    if (isnan(row[FIRST_CUT]))
-        (void)snprintf(caption, sizeof caption, "Result: left %.1f\u00a0%%", row[FIRST_LEFT]);
-    else
-        (void)snprintf(caption, sizeof caption, "Result: cut %.1f\u00a0%%, left %.1f\u00a0%%", row[FIRST_CUT],
-                       isnan(row[FIRST_LEFT]) ? 0.0 : row[FIRST_LEFT]);
-    hs_page_heading(report, 3, study->space[index].name);
-    hs_page_text(report, study->result[index].title);
-    hs_page_small_row_begin(report);
-    hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
-    hs_eval_page_show(report, study, index, beside ? "beside_other.png" : "result.png",
-                      "rendering of the result", caption);
-    hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth",
-                      hs_page_truth_caption(study->result[index].truth_cut));
-    hs_page_row_end(report);
-}
-
-/* The terms of all that follows, then the method in figures, in a table and in pictures. */
 static void put_first(hs_page *report, const hs_eval_study *study) {
-    static const char *const names[4] = {"of the fetus cut", "of what hides it left", "steps: e_abs",
-                                         "a volume, in the plugin"};
-    static const int shown[4] = {FIRST_CUT, FIRST_LEFT, FIRST_ABS, FIRST_MS};
-    static const char *const formats[4] = {"%.1f %%", "%.1f %%", "%.2f", "%.1f ms"};
-    double mean[FIRST_COUNT];
-    char text[600], values[4][32];
-    const char *name[4], *value[4];
+    char text[600];
     const sv_descriptor *d = study->plugin.instance->descriptor;
-    uint32_t count = 0;
-    first_means(study, mean);
-    hs_page_text(
-        report,
-        "A case is a volume with its ground truth: the same without the occluder, which is what hides the "
-        "fetus. The renderer goes "
-        "along every ray of a picture in steps, one slice of the volume each, and the ray ends in the "
-        "tissue it meets. The plugin gives a depthmap: for every ray the depth at which the renderer starts. "
-        "A method is a way to find it.");
-    hs_page_text(
-        report,
-        "A ray's error is the depth at which it ends in the ground truth minus that in the result. Above 0 "
-        "something that hides the fetus is left, below 0 the fetus is cut.");
-    hs_page_text(
-        report,
-        "e_abs is the mean size of the error over the rays that meet fetus or amniotic sac, in steps. Cut is "
-        "the share of the fetus' rays with an error below -2 steps, left the share of the rays that "
-        "were hidden and still have one above 2. Unclipped is the volume as it came.");
-    hs_page_text(
-        report,
-        "\"The thesis\" is Application of Smart Visibility on Medical 3D Ultrasound Datasets, from which "
-        "the measures come.");
-    if (!isnan(mean[FIRST_FLOOR]))
-        hs_page_text(report,
-                     "The true surface is the scene's own, taken as the depthmap: no map of this size does "
-                     "better.");
-    for (int i = 0; i < 4; i++) {
-        if (isnan(mean[shown[i]])) continue;
-        (void)snprintf(values[i], sizeof values[i], formats[i], mean[shown[i]]);
-        name[count] = names[i];
-        value[count++] = values[i];
-    }
-    hs_page_numbers(report, name, value, count);
+    put_plain_case(report, study, 0);
+    put_means(report, study);
     (void)snprintf(text, sizeof text,
-                   "%.100s %.40s, %s, in the mean of %u case%s; a depthmap has %u pixels across.", d->id,
-                   d->version,
-                   study->beside.exists ? study->beside.other_name : "at the setting that is best for all",
-                   study->count, study->count == 1 ? "" : "s", study->map_side);
+                   "%.100s %.40s%s%.60s, as it is: nothing was chosen for these cases. Means of %u case%s; "
+                   "above is the first, %s. The last section says what the words mean.",
+                   d->id, d->version, strcmp(study->plain.name, d->id) == 0 ? "" : ", method ",
+                   strcmp(study->plain.name, d->id) == 0 ? "" : study->plain.name, study->count,
+                   study->count == 1 ? "" : "s", study->space[0].name);
     hs_page_text(report, text);
     if (study->plugin_error.code != HS_OK) hs_page_text(report, study->plugin_error.text);
     hs_page_contents(report);
-    (void)snprintf(text, sizeof text, "%.60s%s", study->beside.exists ? study->beside.other_name : d->id,
-                   study->beside.exists && !study->options->beside ? ", the default method" : "");
-    hs_page_heading(report, 2, text);
-    first_table(report, study, mean);
+    hs_page_heading(report, 2, "As it is");
+    put_plain_table(report, study);
+    bool confidence = false;
+    for (uint32_t i = 0; i < study->count; i++) {
+        hs_page_heading(report, 3, study->space[i].name);
+        hs_page_text(report, study->result[i].title);
+        if (i > 0) put_plain_case(report, study, i);
+        put_plain_details(report, study, i);
+        confidence = confidence || study->result[i].sure;
+    }
+    hs_eval_page_legends(report, confidence);
+}
+
+/* ------------------------------------------------------------------------------- what the words mean -- */
+
+static void put_words(hs_page *report, const hs_eval_study *study) {
+    hs_page_heading(report, 2, "What the words mean");
+    hs_page_text(
+        report,
+        "A case is a volume with its ground truth: the same without the occluder, which is what hides "
+        "the fetus. The renderer goes along every ray of a picture in steps, one slice of the volume "
+        "each, and the ray ends in the tissue it meets. The plugin gives a depthmap: for every ray the "
+        "depth at which the renderer starts.");
+    hs_page_text(report,
+                 "A ray's error is the depth at which it ends in the ground truth minus that in the result. "
+                 "Above 0 something that hides the fetus is left, below 0 the fetus is cut.");
+    hs_page_text(
+        report,
+        "e_abs is the mean size of the error over the rays that meet fetus or amniotic sac, in steps; "
+        "e_pos is the mean of the errors above 0, e_neg that of the size of those below. \"sac\" and "
+        "\"fetus\" before them: over the rays of one of the two. Cut is the share of the fetus' rays "
+        "with an error below -2 steps, left the share of the rays that were hidden and still have one "
+        "above 2. Unclipped is the volume as it came.");
+    for (uint32_t i = 0; i < study->count; i++) {
+        if (isnan(study->plain.floor[i])) continue;
+        hs_page_text(report,
+                     "The true surface is the scene's own, taken as the depthmap: no map of this size "
+                     "does better.");
+        break;
+    }
     if (study->options->look == HS_LOOK_LIT)
         hs_page_text(report,
                      "Renderings are lit: skin tones are surfaces, darker and redder with depth; grey is "
                      "tissue that the surface cuts, or where the scan ends; a blue veil is removed tissue, "
                      "shown faintly. Measures use the thesis' look.");
-    for (uint32_t i = 0; i < study->count; i++) first_case(report, study, i);
+    hs_page_text(report,
+                 "\"The thesis\" is Application of Smart Visibility on Medical 3D Ultrasound Datasets, "
+                 "from which the measures come.");
 }
 
 /* ------------------------------------------------------------------------------- the parameter space -- */
@@ -200,10 +200,9 @@ static void put_terms(hs_page *report, const hs_eval_study *study) {
     }
     (void)snprintf(
         text, sizeof text,
-        "Measured were %u thresholds x %u kernels x %u positions for every case. The common "
-        "setting is one for all cases, but for the position; e_pos is the mean of the errors above 0, e_neg "
-        "that of the size of those below. \"sac\" and \"fetus\" before them: over the rays of one of the "
-        "two.",
+        "Measured were %u thresholds x %u kernels x %u positions for every case. The best setting "
+        "of a case, and the common one of all cases but for the position, are chosen by the ground "
+        "truth, which no user has.",
         plan->threshold.count, plan->kernel.count, plan->knob.count);
     hs_page_text(report, text);
     if (!study->checked) return;
@@ -280,15 +279,25 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
     hs_page_fold_end(report);
 }
 
+/* The value of the parameter "method" that the space is of. */
+static void name_studied(const hs_eval_study *study, char *out, uint32_t bytes) {
+    const hs_eval_values *values = &study->plan.base;
+    sv_param_info info;
+    (void)snprintf(out, bytes, "%.60s", study->plugin.instance->descriptor->id);
+    if (!hs_plugin_find_param(&study->plugin, "method", &info)) return;
+    for (uint32_t i = 0; i < values->count; i++)
+        if (values->at[i].id == info.id)
+            hs_plugin_value_text(&study->plugin, &info, values->at[i].value, out, bytes);
+}
+
 bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
-    char path[PATH_MAX], text[128];
+    char path[PATH_MAX], text[128], studied[64];
     hs_page report;
     if (!hs_path_join(study->options->out, "index.html", path, sizeof path, err)) return false;
     hs_page_open(&report, path, "SmartVis: evaluation");
     put_first(&report, study);
-    hs_eval_page_beside(&report, study);
-    (void)snprintf(text, sizeof text, "The settings of %.60s",
-                   study->beside.exists ? study->beside.first_name : study->plugin.instance->descriptor->id);
+    name_studied(study, studied, sizeof studied);
+    (void)snprintf(text, sizeof text, "The settings of %.60s, chosen by the truth", studied);
     hs_page_heading(&report, 2, text);
     put_terms(&report, study);
     put_table(&report, study, HS_TABLE_BEST);
@@ -297,6 +306,7 @@ bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
     hs_eval_figure_mean(&report, study);
     for (uint32_t i = 0; i < study->count; i++) put_case(&report, study, i);
     hs_eval_figure_speed(&report, study);
+    put_words(&report, study);
     return hs_page_close(&report, err);
 }
 

@@ -15,8 +15,7 @@
 
 /* --------------------------------------------------------------------------------------------- drawing -- */
 
-#define HS_EVAL_PICTURE      256u  /* pixels per side on the page */
-#define HS_EVAL_GHOST_SLICES 10.0f /* low-resolution slices: s and w of the ghosted pictures */
+#define HS_EVAL_PICTURE 256u /* pixels per side on the page */
 
 /* A loop over a case's volume. The case's own loop must be gone: a plugin's instance serves one at a time. */
 typedef struct {
@@ -26,7 +25,6 @@ typedef struct {
     const hs_eval_case *c;
     const hs_eval_values *values;
     uint32_t pixels; /* of the picture's sides */
-    float ghost;     /* steps before the surface that are ghosted (s = w); 0: a hard cut */
 } hs_eval_drawing;
 
 static bool hs_eval_save_picture(const hs_picture *picture, const char *folder, const char *name,
@@ -73,13 +71,12 @@ static hs_loop *hs_eval_draw_loop(const hs_eval_drawing *d, hs_error *err) {
     options.dvr.width = options.dvr.height = d->pixels;
     hs_loop_for_pictures(&options, d->options->look);
     for (int i = 0; i < 2; i++) options.dvr.light[i] = d->options->light[i];
-    options.dvr.ghost_offset = options.dvr.ghost_width = d->ghost;
     options.values = d->values->at;
     options.value_count = d->values->count;
     return hs_loop_create(d->cl, &d->c->from.source, d->plugin, &options, err);
 }
 
-/* The rendering as a square picture of HS_EVAL_PICTURE pixels, its ghosting as `drawing` says; `view` may be
+/* The rendering as a square picture of HS_EVAL_PICTURE pixels; `view` may be
  * NULL, else the caller frees it. */
 static bool hs_eval_draw_result(const hs_eval_drawing *drawing, const char *folder, const char *name,
                                 hs_view *view, hs_error *err) {
@@ -96,12 +93,13 @@ static bool hs_eval_draw_result(const hs_eval_drawing *drawing, const char *fold
     return ok;
 }
 
-/* ----------------------------------------------------------------------------------------- two methods -- */
-/* Pictures of both methods of one case, each at its one setting for all cases. */
+/* ------------------------------------------------------------------------------------------- as it is -- */
+/* The plugin at the settings that the user left it: "plain.png", "plain_error.png", "plain_confidence.png".
+ */
 
-/* The error of every ray at these values. The case's loop is replaced, and gone afterwards. */
-static bool draw_errors(hs_eval_study *study, hs_eval_case *c, const hs_eval_values *values,
-                        const char *folder, const char *name, hs_error *err) {
+/* The error of every ray. The case's loop is replaced, and gone afterwards. */
+static bool draw_errors(hs_eval_study *study, hs_eval_case *c, const char *folder, hs_error *err) {
+    const hs_eval_values *values = &study->plain.values;
     hs_measures measures;
     sv_status outcome;
     float *error = calloc((size_t)c->table.width * c->table.height, sizeof *error);
@@ -110,7 +108,7 @@ static bool draw_errors(hs_eval_study *study, hs_eval_case *c, const hs_eval_val
               hs_eval_case_direct(c, values, &measures, &outcome, err);
     if (ok) {
         hs_eval_error_picture(&c->table, c->termination, error);
-        ok = hs_eval_save_errors(error, c->table.width, c->table.height, folder, name, err);
+        ok = hs_eval_save_errors(error, c->table.width, c->table.height, folder, "plain_error.png", err);
     }
     free(error);
     hs_eval_case_release(c);
@@ -127,48 +125,30 @@ static bool save_confidence(const hs_view *view, const char *folder, hs_error *e
             picture.pixels[(size_t)y * side + x] =
                 hs_colour_viridis((double)view->sure[(size_t)(y * view->map_height / side) * view->map_width +
                                                      x * view->map_width / side]);
-    const bool ok = hs_eval_save_picture(&picture, folder, "beside_confidence.png", err);
+    const bool ok = hs_eval_save_picture(&picture, folder, "plain_confidence.png", err);
     hs_picture_free(&picture);
     return ok;
 }
 
-/* The other method: its rendering and, where it gives a confidence, that and a rendering ghosted by it. */
-static bool draw_other(hs_eval_study *study, uint32_t index, hs_eval_drawing *drawing, const char *folder,
+/* The case's loop is replaced, and gone afterwards. */
+static bool draw_plain(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder,
                        hs_error *err) {
+    hs_eval_result *r = &study->result[index];
+    const hs_eval_drawing drawing = {.options = study->options,
+                                     .cl = &study->cl,
+                                     .plugin = &study->plugin,
+                                     .c = c,
+                                     .values = &study->plain.values,
+                                     .pixels = HS_EVAL_PICTURE};
     hs_view view;
-    if (!hs_eval_draw_result(drawing, folder, "beside_other.png", &view, err)) return false;
-    bool ok = true;
-    if (view.sure) {
-        drawing->ghost = HS_EVAL_GHOST_SLICES * drawing->c->table.steps_per_slice;
-        ok = save_confidence(&view, folder, err) &&
-             hs_eval_draw_result(drawing, folder, "beside_ghost.png", NULL, err);
-        study->beside.has_confidence[index] = ok;
-    }
+    if (!draw_errors(study, c, folder, err) ||
+        !hs_eval_draw_result(&drawing, folder, "plain.png", &view, err))
+        return false;
+    if (!hs_frame_note(&view.frame, "the plugin failed", r->note, sizeof r->note)) r->note[0] = '\0';
+    r->sure = view.sure != NULL;
+    const bool ok = !r->sure || save_confidence(&view, folder, err);
     hs_view_free(&view);
     return ok;
-}
-
-/* "beside_knob.png", "beside_other.png" and their errors, "beside_confidence.png" in the case's folder.
- * Nothing if there is no other method. The case's loop is replaced, and gone afterwards. */
-static bool hs_eval_beside_pictures(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder,
-                                    hs_error *err) {
-    const hs_eval_beside *b = &study->beside;
-    if (!b->exists) return true;
-    hs_eval_values first = b->first;
-    if (b->knob.exists && !hs_eval_values_add(&first, b->knob.info.id, b->knob.value[b->best], err))
-        return false;
-    hs_eval_drawing drawing = {.options = study->options,
-                               .cl = &study->cl,
-                               .plugin = &study->plugin,
-                               .c = c,
-                               .values = &first,
-                               .pixels = HS_EVAL_PICTURE};
-    if (!draw_errors(study, c, &first, folder, "beside_knob_error.png", err) ||
-        !hs_eval_draw_result(&drawing, folder, "beside_knob.png", NULL, err) ||
-        !draw_errors(study, c, &b->other, folder, "beside_other_error.png", err))
-        return false;
-    drawing.values = &b->other;
-    return draw_other(study, index, &drawing, folder, err);
 }
 
 /* ------------------------------------------------------------------------------------------ comparison -- */
@@ -313,8 +293,7 @@ static bool work(hs_eval_study *study, uint32_t index, hs_eval_case *c, const ch
         return false;
     hs_eval_case_release(c); /* a plugin's instance serves one loop at a time */
     return draw(study, index, c, &values, folder, err) &&
-           hs_eval_speed_settings(study, index, c, &values, err) &&
-           hs_eval_beside_pictures(study, index, c, folder, err);
+           hs_eval_speed_settings(study, index, c, &values, err) && draw_plain(study, index, c, folder, err);
 }
 
 bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err) {

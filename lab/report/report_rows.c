@@ -15,138 +15,67 @@ static bool open_csv(const char *folder, const char *name, hs_output_file *outpu
     return hs_path_join(folder, name, path, sizeof path, err) && hs_output_open(output, path, err);
 }
 
-/* ----------------------------------------------------------------------------------------- two methods -- */
+/* ------------------------------------------------------------------------------------------- as it is -- */
 
-/* A column: a measure of one way; the ratio of the two methods stands apart. */
-typedef struct {
-    hs_beside_way way;
-    hs_measure measure;
-} beside_column;
+const char *const hs_eval_plain_head[HS_PLAIN_COUNT] = {"e_abs",       "cut [%]",         "left [%]",
+                                                        "plugin [ms]", "e_abs unclipped", "true surface"};
 
-enum { NAME, FIRST, RATIO = 12, FLOOR };
-static const beside_column beside_columns[HS_BESIDE_CELLS] = {[FIRST] = {HS_BESIDE_DEFAULT, HS_MEASURE_ABS},
-                                                              {HS_BESIDE_DEFAULT, HS_MEASURE_FETUS_CUT},
-                                                              {HS_BESIDE_KNOB, HS_MEASURE_ABS},
-                                                              {HS_BESIDE_KNOB, HS_MEASURE_FETUS_CUT},
-                                                              {HS_BESIDE_KNOB, HS_MEASURE_OCCLUDER_LEFT},
-                                                              {HS_BESIDE_TUNED, HS_MEASURE_ABS},
-                                                              {HS_BESIDE_TUNED, HS_MEASURE_FETUS_CUT},
-                                                              {HS_BESIDE_TUNED, HS_MEASURE_OCCLUDER_LEFT},
-                                                              {HS_BESIDE_OTHER, HS_MEASURE_ABS},
-                                                              {HS_BESIDE_OTHER, HS_MEASURE_FETUS_CUT},
-                                                              {HS_BESIDE_OTHER, HS_MEASURE_OCCLUDER_LEFT},
-                                                              [FLOOR] = {HS_BESIDE_TRUTH, HS_MEASURE_ABS}};
-
-/* "mean", "mean, q 0.4", "mean, tuned", "wall": who a column is about. */
-static void name_way(const hs_eval_study *study, hs_beside_way way, char *out, size_t bytes) {
-    const hs_eval_beside *b = &study->beside;
-    if (way == HS_BESIDE_KNOB && b->knob.exists)
-        (void)snprintf(out, bytes, "%.10s, %.6s %.4g", b->first_name, b->knob.info.key,
-                       b->knob.value[b->best]);
-    else if (way == HS_BESIDE_TUNED)
-        (void)snprintf(out, bytes, "%.10s, tuned", b->first_name);
-    else if (way == HS_BESIDE_TRUTH)
-        (void)snprintf(out, bytes, "true surface");
-    else
-        (void)snprintf(out, bytes, "%.20s", way == HS_BESIDE_OTHER ? b->other_name : b->first_name);
+static void case_row(const hs_eval_study *study, uint32_t index, double out[HS_PLAIN_COUNT]) {
+    const hs_measures *m = &study->plain.of[index];
+    out[HS_PLAIN_ABS] = (double)m->of[HS_MEASURE_ABS];
+    out[HS_PLAIN_CUT] = 100 * (double)m->of[HS_MEASURE_FETUS_CUT];
+    out[HS_PLAIN_LEFT] = 100 * (double)m->of[HS_MEASURE_OCCLUDER_LEFT];
+    out[HS_PLAIN_MS] = study->plain.ms[index];
+    out[HS_PLAIN_UNCLIPPED] = (double)study->result[index].unclipped.of[HS_MEASURE_ABS];
+    out[HS_PLAIN_FLOOR] = study->plain.floor[index];
 }
 
-static void put_head(const hs_eval_study *study, char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL]) {
-    (void)snprintf(cell[NAME], HS_BESIDE_CELL, "case");
-    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++) {
-        char way[36];
-        if (i == RATIO) {
-            (void)snprintf(cell[i], HS_BESIDE_CELL, "ratio");
-            continue;
-        }
-        name_way(study, beside_columns[i].way, way, sizeof way);
-        (void)snprintf(cell[i], HS_BESIDE_CELL, "%s: %s", way,
-                       beside_columns[i].measure == HS_MEASURE_ABS         ? "e_abs"
-                       : beside_columns[i].measure == HS_MEASURE_FETUS_CUT ? "cut [%]"
-                                                                           : "left [%]");
-    }
-}
-
-static double value_of(const hs_eval_study *study, uint32_t index, hs_beside_way way, hs_measure measure) {
-    if (index >= study->count) return hs_eval_beside_mean(&study->beside, study->count, way, measure);
-    return (double)study->beside.of[index][way].of[measure];
-}
-
-static void put_number(char *cell, double value) {
-    if (isfinite(value))
-        (void)snprintf(cell, HS_BESIDE_CELL, "%.2f", value);
-    else
-        (void)snprintf(cell, HS_BESIDE_CELL, "-");
-}
-
-void hs_eval_beside_row(const hs_eval_study *study, uint32_t row,
-                        char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL]) {
-    if (row == 0) {
-        put_head(study, cell);
+void hs_eval_plain_row(const hs_eval_study *study, uint32_t index, double out[HS_PLAIN_COUNT]) {
+    double row[HS_PLAIN_COUNT];
+    if (index < study->count) {
+        case_row(study, index, out);
         return;
     }
-    const uint32_t index = row - 1;
-    (void)snprintf(cell[NAME], HS_BESIDE_CELL, "%.31s",
-                   index < study->count ? study->space[index].name : "mean");
-    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++) {
-        const beside_column c = beside_columns[i];
-        if (i == RATIO)
-            put_number(cell[i], value_of(study, index, HS_BESIDE_OTHER, HS_MEASURE_ABS) /
-                                    value_of(study, index, HS_BESIDE_KNOB, HS_MEASURE_ABS));
-        else
-            put_number(cell[i],
-                       value_of(study, index, c.way, c.measure) * (c.measure == HS_MEASURE_ABS ? 1 : 100));
+    for (int k = 0; k < HS_PLAIN_COUNT; k++) {
+        uint32_t known = 0;
+        double sum = 0;
+        for (uint32_t i = 0; i < study->count; i++) {
+            case_row(study, i, row);
+            if (isnan(row[k])) continue;
+            sum += row[k];
+            known++;
+        }
+        out[k] = known ? sum / known : (double)NAN;
     }
 }
 
-bool hs_eval_beside_has(const hs_eval_study *study, uint32_t column) {
-    char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
-    for (uint32_t r = 1; r <= study->count; r++) {
-        hs_eval_beside_row(study, r, cell);
-        if (strcmp(cell[column], "-") != 0) return true;
+uint32_t hs_eval_plain_worst(const hs_eval_study *study, int column, double *out) {
+    double row[HS_PLAIN_COUNT];
+    uint32_t worst = study->count;
+    *out = -INFINITY;
+    for (uint32_t i = 0; i < study->count; i++) {
+        case_row(study, i, row);
+        if (!(row[column] > *out)) continue;
+        *out = row[column];
+        worst = i;
     }
-    return false;
+    return worst;
 }
 
-/* To a terminal, and as "beside.csv" in the study's folder (HS_ERR_OUTPUT names the path). Nothing if there
- * is no other method. */
-static void hs_eval_beside_print(const hs_eval_study *study, FILE *out) {
-    char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
-    if (!study->beside.exists) return;
-    (void)fprintf(
-        out, "Beside each other, one setting for all cases; ratio: %s to %s at its best single position\n",
-        study->beside.other_name, study->beside.first_name);
-    hs_eval_beside_row(study, 0, cell);
-    bool has[HS_BESIDE_CELLS];
-    for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++) has[i] = hs_eval_beside_has(study, i);
-    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++)
-        if (has[i]) hs_print(out, "  [%u] %s\n", i, cell[i]);
-    hs_print(out, "%-6s", "case");
-    for (uint32_t i = FIRST; i < HS_BESIDE_CELLS; i++)
-        if (has[i]) hs_print(out, "    [%2u]", i);
-    hs_print(out, "\n");
-    for (uint32_t r = 1; r <= study->count + 1; r++) {
-        hs_eval_beside_row(study, r, cell);
-        for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++)
-            if (has[i]) hs_print(out, "%*s", i ? 8 : -6, cell[i]);
+/* A head, a line a case, the means: in columns, or parted by commas. */
+static void write_plain(const hs_eval_study *study, FILE *out, bool csv) {
+    for (uint32_t r = 0; r <= study->count + 1; r++) {
+        double row[HS_PLAIN_COUNT];
+        const char *name = r == 0 ? "case" : r <= study->count ? study->space[r - 1].name : "mean";
+        if (r > 0) hs_eval_plain_row(study, r - 1, row);
+        hs_print(out, csv ? "%s" : "%-6s", name);
+        for (int k = 0; k < HS_PLAIN_COUNT; k++) {
+            char text[32] = "-";
+            if (r > 0 && !isnan(row[k])) (void)snprintf(text, sizeof text, "%.2f", row[k]);
+            hs_print(out, csv ? ",%s" : "%17s", r == 0 ? hs_eval_plain_head[k] : text);
+        }
         hs_print(out, "\n");
     }
-    hs_print(out, "\n");
-}
-
-/* Heads are quoted because they hold commas. */
-static bool hs_eval_beside_table(const hs_eval_study *study, hs_error *err) {
-    char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
-    hs_output_file output = {0};
-    if (!study->beside.exists) return true;
-    if (!open_csv(study->options->out, "beside.csv", &output, err)) return false;
-    for (uint32_t r = 0; r <= study->count + 1; r++) {
-        hs_eval_beside_row(study, r, cell);
-        for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++)
-            (void)fprintf(output.file, strchr(cell[i], ',') ? "%s\"%s\"" : "%s%s", i ? "," : "", cell[i]);
-        (void)fprintf(output.file, "\n");
-    }
-    return hs_output_commit(&output, err); /* fails if any write before did */
 }
 
 /* ------------------------------------------------------------------------------------------ comparison -- */
@@ -335,9 +264,11 @@ static void print_table(const hs_eval_study *study, hs_eval_table_kind kind, FIL
 }
 
 void hs_eval_study_print(const hs_eval_study *study, FILE *out) {
+    hs_print(out, "%s as it is\n", study->plain.name);
+    write_plain(study, out, false);
+    hs_print(out, "\n");
     print_table(study, HS_TABLE_BEST, out);
     print_table(study, HS_TABLE_COMMON, out);
-    hs_eval_beside_print(study, out);
 }
 
 static bool write_table(const hs_eval_study *study, hs_eval_table_kind kind, const char *name,
@@ -358,6 +289,9 @@ static bool write_table(const hs_eval_study *study, hs_eval_table_kind kind, con
 }
 
 bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err) {
-    return write_table(study, HS_TABLE_BEST, "best.csv", err) &&
-           write_table(study, HS_TABLE_COMMON, "common.csv", err) && hs_eval_beside_table(study, err);
+    hs_output_file output = {0};
+    if (!open_csv(study->options->out, "plain.csv", &output, err)) return false;
+    write_plain(study, output.file, true);
+    return hs_output_commit(&output, err) && write_table(study, HS_TABLE_BEST, "best.csv", err) &&
+           write_table(study, HS_TABLE_COMMON, "common.csv", err);
 }

@@ -242,9 +242,7 @@ void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
                  study->result[i].speed[HS_SETTING_SMARTVIS].volumes_per_second) /
                 study->count;
     }
-    (void)snprintf(text, sizeof text, "Speed%s%.60s", study->beside.exists ? " of " : "",
-                   study->beside.exists ? study->beside.first_name : "");
-    hs_page_heading(report, 2, text);
+    hs_page_heading(report, 2, "Speed at the common setting");
     (void)snprintf(
         text, sizeof text,
         "Medians of %u frames on %s, pictures of 512 x 512. DVR is direct volume rendering, which draws the "
@@ -273,23 +271,9 @@ void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
                  "points there, its surface mean filter, which worked on 512 x 512 pixels.");
 }
 
-/* ----------------------------------------------------------------------------------------- two methods -- */
+/* --------------------------------------------------------------------------------------------- legends -- */
 
 #define LEGEND_STOPS 41u
-
-static void put_means(hs_page *report, const hs_eval_study *study) {
-    char cell[HS_BESIDE_CELLS][HS_BESIDE_CELL];
-    hs_page_table_begin(report);
-    for (uint32_t r = 0; r <= study->count + 1; r++) {
-        const char *cells[HS_BESIDE_CELLS];
-        uint32_t columns = 0;
-        hs_eval_beside_row(study, r, cell);
-        for (uint32_t i = 0; i < HS_BESIDE_CELLS; i++)
-            if (hs_eval_beside_has(study, i)) cells[columns++] = cell[i];
-        hs_page_table_row(report, cells, columns);
-    }
-    hs_page_table_end(report);
-}
 
 /* A bar in the colours of a map, with the words of its ends and its middle. */
 typedef struct {
@@ -317,7 +301,7 @@ static void write_legend(FILE *out, const void *of) {
                   l->left, l->middle, l->right);
 }
 
-static void put_legends(hs_page *report, bool with_confidence) {
+void hs_eval_page_legends(hs_page *report, bool with_confidence) {
     char left[64], right[64];
     (void)snprintf(left, sizeof left, "-%.0f steps: fetus cut", (double)HS_EVAL_ERROR_LIMIT);
     (void)snprintf(right, sizeof right, "+%.0f steps: occluder left", (double)HS_EVAL_ERROR_LIMIT);
@@ -336,73 +320,5 @@ static void put_legends(hs_page *report, bool with_confidence) {
     hs_page_text(report, "Dark grey is outside the sac and not evaluated.");
     if (!with_confidence) return;
     hs_eval_figure_put(report, write_legend, &confidence);
-    hs_page_text(
-        report,
-        "Confidence is how sure the method says it is. The last picture of a case is not cut off at the "
-        "surface: what lies just before it fades. It fades over a narrow range where the method is sure, and "
-        "over up to three times as much where it is not.");
-}
-
-/* "mean at q = 0.4: e_abs 8.36, cut 34.7%, left 2.1%" */
-static void caption_of(const hs_eval_study *study, uint32_t index, hs_beside_way way, char *out,
-                       size_t bytes) {
-    const hs_eval_beside *b = &study->beside;
-    const hs_measures *m = &b->of[index][way];
-    char name[128];
-    if (way == HS_BESIDE_KNOB && b->knob.exists)
-        (void)snprintf(name, sizeof name, "%.60s at %.20s = %.4g", b->first_name, b->knob.info.key,
-                       b->knob.value[b->best]);
-    else
-        (void)snprintf(name, sizeof name, "%.60s", way == HS_BESIDE_OTHER ? b->other_name : b->first_name);
-    (void)snprintf(out, bytes, "%s: e_abs %.2f, cut %.1f%%, left %.1f%%", name, (double)m->of[HS_MEASURE_ABS],
-                   100 * (double)m->of[HS_MEASURE_FETUS_CUT], 100 * (double)m->of[HS_MEASURE_OCCLUDER_LEFT]);
-}
-
-static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index) {
-    const hs_eval_beside *b = &study->beside;
-    char first[256], other[256], error[2][128];
-    caption_of(study, index, HS_BESIDE_KNOB, first, sizeof first);
-    caption_of(study, index, HS_BESIDE_OTHER, other, sizeof other);
-    (void)snprintf(error[0], sizeof error[0], "Error of %.60s", b->first_name);
-    (void)snprintf(error[1], sizeof error[1], "Error of %.60s", b->other_name);
-    hs_page_fold_begin(report, study->space[index].name);
-    hs_page_row_begin(report);
-    hs_eval_page_show(report, study, index, "beside_knob.png", first, first);
-    hs_eval_page_show(report, study, index, "beside_other.png", other, other);
-    hs_page_row_end(report);
-    hs_page_row_begin(report);
-    hs_eval_page_show(report, study, index, "beside_knob_error.png", error[0], error[0]);
-    hs_eval_page_show(report, study, index, "beside_other_error.png", error[1], error[1]);
-    if (b->has_confidence[index]) {
-        (void)snprintf(other, sizeof other, "Confidence of %.60s", b->other_name);
-        hs_eval_page_show(report, study, index, "beside_confidence.png", other, other);
-        (void)snprintf(other, sizeof other, "%.60s, faded; wider where it is not sure", b->other_name);
-        hs_eval_page_show(report, study, index, "beside_ghost.png", other, other);
-    }
-    hs_page_row_end(report);
-    hs_page_fold_end(report);
-}
-
-void hs_eval_page_beside(hs_page *report, const hs_eval_study *study) {
-    const hs_eval_beside *b = &study->beside;
-    char text[900];
-    bool confidence = false;
-    if (!b->exists) return;
-    (void)snprintf(text, sizeof text, "%.60s beside %.60s", b->other_name, b->first_name);
-    hs_page_heading(report, 2, text);
-    char first[128] = "its settings";
-    if (b->knob.exists)
-        (void)snprintf(first, sizeof first, "its %.60s (%.30s)", b->knob.info.label, b->knob.info.key);
-    (void)snprintf(
-        text, sizeof text,
-        "%s%.60s is measured with %s where the mean e_abs over these cases is lowest; \"tuned\" "
-        "is the best of all its settings, found on these very volumes. %.60s has its defaults. The "
-        "ratio is e_abs of %.60s to that of %.60s with the best %s.",
-        strcmp(b->first_name, "mean") == 0 ? "mean is the thesis' method. " : "", b->first_name, first,
-        b->other_name, b->other_name, b->first_name, b->knob.exists ? b->knob.info.key : "setting");
-    hs_page_text(report, text);
-    put_means(report, study);
-    for (uint32_t i = 0; i < study->count; i++) confidence = confidence || b->has_confidence[i];
-    put_legends(report, confidence);
-    for (uint32_t i = 0; i < study->count; i++) put_case(report, study, i);
+    hs_page_text(report, "Confidence is how sure the method says it is.");
 }

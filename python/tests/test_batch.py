@@ -325,7 +325,7 @@ def test_a_scheduler_elsewhere_is_used(tmp_path: Path, client) -> None:
 
 @pytest.mark.night
 def test_a_study_is_the_report_s_own(tmp_path: Path, client) -> None:
-    report = ["--case", "E01", "--size", "32", "--lowres", "16", "--coarse", "--frames", "0", "--beside", "none"]
+    report = ["--case", "E01", "--size", "32", "--lowres", "16", "--coarse", "--frames", "0"]
     steps: list[int] = []
     said = _study.study(report, tmp_path / "shards", 3, client, lambda: steps.append(1))
     assert len(steps) == 3 and said

@@ -39,7 +39,7 @@ def test_measures_are_those_of_the_report(tmp_path) -> None:
     for q in (0.0, 0.5):
         ours[q] = smartvis.measure(scene, scene.clip(method="wall", q=q))
     options = ["--case", "E02", "--size", 64, "--lowres", 64, "--frames", 0, "--coarse", "--set", "method=wall"]
-    host_sim("report", *options, "--beside", "none", "--out", tmp_path)
+    host_sim("report", *options, "--out", tmp_path)
     lines = (tmp_path / "space_E02.csv").read_text().splitlines()
     rows = [line for line in lines if not line.startswith("#")]
     found = {float(row["q"]): row for row in reversed(list(csv.DictReader(rows)))}  # the method knows q alone

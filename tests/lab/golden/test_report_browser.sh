@@ -1,7 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# The evaluation's page and the demo's in headless Chromium, where there is one: no console error, nothing wider than the
-# screen, dark colours where they are asked for, labels that a phone shows; and the evaluation's slider shows another picture.
+# The evaluation's page and the demo's in headless Chromium, where there is one: no console error, a picture on the first screen,
+# nothing that scrolls sideways when all is opened, dark colours where they are asked for, labels that a screen shows; and the
+# evaluation's slider shows another picture.
 # Called with the source and the build folder.
 set -u
 build=$2
@@ -14,10 +15,13 @@ trap 'rm -rf "$work"' EXIT
 "$build/host_sim" report --quick --size 48 --frames 1 --out "$work/report" > /dev/null 2>&1 || exit 1
 "$build/host_sim" demo --quick --picture 64 --out "$work/demo" > /dev/null 2>&1 || exit 1
 
-# shows PAGE WIDTH SCHEME WANTED: what the page's last script writes into its title, and an empty console.
+# shows PAGE WIDTH SCHEME WANTED: what the page's last script tells, and an empty console. The page stands in a frame of that width,
+# since a window is 500 pixels wide at least.
 shows() {
+    printf '<title>none</title><script>onmessage = function (e) { document.title = e.data; };</script><iframe src="file://%s" width="%s" height="900"></iframe>' \
+        "$1" "$2" > "$work/frame.html"
     timeout 600 "$browser" --headless --no-sandbox --disable-gpu --user-data-dir="$work/profile" --enable-logging=stderr \
-        --blink-settings=preferredColorScheme="$3" --window-size="$2,900" --dump-dom "file://$1" > "$work/dom" 2> "$work/log" || {
+        --blink-settings=preferredColorScheme="$3" --window-size=1400,1000 --dump-dom "file://$work/frame.html" > "$work/dom" 2> "$work/log" || {
         echo "FAIL: the browser ended with $?"
         tail -n 5 "$work/log"
         exit 1
@@ -33,11 +37,29 @@ shows() {
     fi
 }
 
-# The page, and a script that turns its slider as a user would, then writes what it sees into the title.
-cat "$work/report/index.html" - > "$work/turned.html" << 'SCRIPT'
-<script>
-var height = document.documentElement.scrollHeight; /* as a reader first sees it */
+# fits: no element scrolls sideways. legible: what a screen
+# wider than a phone's shows of the smallest letters, 17 pixels in a map, 19 in the slices, 18 in a strip of views; a plot's may
+# be turned.
+cat > "$work/look.js" << 'SCRIPT'
 document.querySelectorAll('details').forEach(function (fold) { fold.open = true; });
+function fits() {
+    return Array.from(document.querySelectorAll('html, body *')).every(function (e) { return e.scrollWidth <= e.clientWidth || e.clientWidth === 0 || e.closest('svg'); })
+        && document.documentElement.scrollWidth <= window.innerWidth;
+}
+function legible() {
+    var phone = window.innerWidth < 500;
+    return Array.from(document.querySelectorAll('.row.wide img')).every(function (i) {
+        return phone || 17 * i.getBoundingClientRect().width / i.naturalWidth >= 8;
+    }) && Array.from(document.querySelectorAll('svg.plot text')).every(function (text) {
+        var box = text.getBoundingClientRect();
+        return Math.min(box.width, box.height) >= (phone ? 8 : 11) || box.width === 0 || text.textContent.length < 2;
+    });
+}
+SCRIPT
+
+# The page, and a script that turns its slider as a user would, then writes what it sees into the title.
+cat "$work/report/index.html" <(printf '<script>\nvar height = document.documentElement.scrollHeight; /* as a reader first sees it */\n') \
+    "$work/look.js" - > "$work/turned.html" << 'SCRIPT'
 var slider = document.querySelector('.slider'), input = slider.querySelector('input');
 function seen() {
     var all = Array.from(slider.querySelectorAll('figure')).filter(function (f) { return f.offsetHeight > 0; });
@@ -48,31 +70,16 @@ var first = seen();
 input.value = input.max; input.dispatchEvent(new Event('input'));
 var last = seen();
 input.focus();
-document.title = ['seen', first !== null, last !== null, first && last && first.src !== last.src,
+parent.postMessage(['seen', first !== null, last !== null, first && last && first.src !== last.src,
     last && last.naturalWidth > 0, input.getAttribute('aria-valuetext'), document.activeElement === input,
-    document.documentElement.scrollWidth <= window.innerWidth, height <= 15000,
-    Array.from(document.querySelectorAll('svg.plot text')).every(function (t) { return legible(t); }),
-    Array.from(document.querySelectorAll('.row.wide img')).every(function (i) { return letters(i) >= 8; })].join(' ');
-/* Of the smallest letters: 17 pixels in a map, 19 in the slices, 18 in a strip of views. */
-function letters(i) { return 17 * i.getBoundingClientRect().width / i.naturalWidth; }
-/* The height of the letters of a plot as it stands, which may be turned. */
-function legible(text) {
-    var box = text.getBoundingClientRect();
-    return Math.min(box.width, box.height) >= 11 || text.textContent.length < 2;
-}
+    document.querySelector('img').getBoundingClientRect().bottom + window.scrollY <= 844, height <= 15000, fits(), legible()].join(' '), '*');
 </script>
 SCRIPT
 for width in 390 1280; do shows "$work/turned.html" $width 1 'true true true true q = 1.5 true true true true true'; done
 
-# The demo: pictures with labels in them are not shrunk to a phone's width, and the colours are those that were asked for.
-cat "$work/demo/index.html" - > "$work/seen.html" << 'SCRIPT'
-<script>
-document.querySelectorAll('details').forEach(function (fold) { fold.open = true; });
-var labelled = Array.from(document.querySelectorAll('.row.wide img'));
-/* Of the smallest letters: 17 pixels in a map, 19 in the slices, 18 in a strip of views. */
-function letters(i) { return 17 * i.getBoundingClientRect().width / i.naturalWidth; }
-document.title = ['seen', labelled.length > 0 && labelled.every(function (i) { return letters(i) >= 8; }),
-    document.documentElement.scrollWidth <= window.innerWidth, getComputedStyle(document.body).backgroundColor].join(' ');
+# The demo, in the colours that were asked for.
+cat "$work/demo/index.html" <(echo '<script>') "$work/look.js" - > "$work/seen.html" << 'SCRIPT'
+parent.postMessage(['seen', document.querySelectorAll('.row.wide img').length > 0 && legible(), fits(), getComputedStyle(document.body).backgroundColor].join(' '), '*');
 </script>
 SCRIPT
 for width in 390 1280; do

@@ -8,7 +8,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
-"$build/host_sim" report --hard --size 64 --lowres 16 --coarse --frames 0 --beside none --out "$work/hard" \
+"$build/host_sim" report --hard --size 64 --lowres 16 --coarse --frames 0 --out "$work/hard" \
     > "$work/stdout" 2> "$work/stderr"
 holds [ $? -eq 0 ]
 best=$work/hard/best.csv
