@@ -72,9 +72,14 @@ bool hs_eval_table_build(hs_eval_table *table, hs_loop *loop, const hs_volume *f
                          const uint8_t *label, hs_error *err);
 void hs_eval_table_free(hs_eval_table *table);
 
-/* The first step that is drawn when the map holds `depth` slices: the renderer's rule (host_sim/render/dvr.h,
- * CLIPPING), in its own precision. */
-uint32_t hs_eval_start_step(const hs_eval_table *table, float depth);
+/* The first of `steps` steps that is drawn of a ray that starts at a depth of so many slices: the renderer's
+ * rule (host_sim/render/dvr.h, CLIPPING), in its own precision. */
+uint32_t hs_eval_start_step(float depth, float steps_per_slice, uint32_t steps);
+
+/* The same without a device, for rays along the voxels of a volume with a step of one slice: the slice at
+ * which ray `pixel` of `plane` ends when it starts in slice `start` (thesis, Eq. 3.22 to 3.24, at the
+ * renderer's defaults), or `slices`. `tests/lab/golden/test_sites.sh` compares it with the renderer. */
+float hs_eval_ray_end(const uint8_t *voxels, size_t plane, uint32_t slices, size_t pixel, uint32_t start);
 
 /* -------------------------------------------------------------------------------------------- measures -- */
 /* Quality of a depthmap by the termination depths of its rays (spec 7; thesis 4, Eq. 4.5 - 4.10). */
@@ -117,6 +122,18 @@ void hs_eval_measure_map(const hs_eval_table *table, const float *map, hs_measur
 
 /* The direct way, from a picture of termination depths in steps: for tests and checks of the table. */
 void hs_eval_measure_picture(const hs_eval_table *table, const float *termination, hs_measures *out);
+
+/* What the rays counted so far come to, sac and fetus apart. Zeroed: none. */
+typedef struct {
+    uint32_t rays, positive, negative;   /* e > 0, e < 0 */
+    uint64_t positive_sum, negative_sum; /* steps */
+    uint32_t cut, occluded, left;        /* beyond the tolerance */
+} hs_eval_tally;
+
+/* The measures of rays that are counted one by one. A ray of label 0 counts nothing; `e` and `tolerance`
+ * (beyond which it is cut or left) are steps. */
+void hs_eval_count(hs_eval_tally by_label[2], uint8_t label, int32_t e, bool occluded, uint32_t tolerance);
+void hs_eval_measures(const hs_eval_tally by_label[2], hs_measures *out);
 
 /* Error e per pixel of such a picture, steps; NAN where the label is 0. */
 void hs_eval_error_picture(const hs_eval_table *table, const float *termination, float *out);

@@ -3,6 +3,7 @@
 
 #include "base/threads.h"
 #include "loop/loop_run.h"
+#include "render/dvr_settings.h"
 
 #include <assert.h>
 #include <math.h>
@@ -17,11 +18,29 @@
 
 #define HARD_CUT_MARGIN 1e-3f /* steps; as in cl/dvr.cl */
 
-uint32_t hs_eval_start_step(const hs_eval_table *table, float depth) {
+uint32_t hs_eval_start_step(float depth, float steps_per_slice, uint32_t steps) {
     if (!(depth > 0.0f && depth < INFINITY)) return 0;
-    const float first = (depth + 0.5f) * table->steps_per_slice - 0.5f - HARD_CUT_MARGIN;
-    if (first >= (float)table->steps) return table->steps;
+    const float first = (depth + 0.5f) * steps_per_slice - 0.5f - HARD_CUT_MARGIN;
+    if (first >= (float)steps) return steps;
     return first > 0.0f ? (uint32_t)ceilf(first) : 0;
+}
+
+float hs_eval_ray_end(const uint8_t *voxels, size_t plane, uint32_t slices, size_t pixel, uint32_t start) {
+    hs_dvr_settings dvr;
+    hs_dvr_defaults(&dvr);
+    const float low = dvr.threshold_low, range = dvr.threshold_high - low;
+    float opacity = 0.0f;
+    for (uint32_t z = start; z < slices; z++) {
+        const float value = (float)voxels[z * plane + pixel] / 255.0f;
+        opacity += (1.0f - opacity) * fminf(fmaxf((value - low) / range, 0.0f), 1.0f);
+        if (opacity >= dvr.termination) return (float)z;
+    }
+    return (float)slices;
+}
+
+/* The row of errors of ray r, and the error when it starts at a depth. */
+static int16_t error_at(const hs_eval_table *t, uint32_t r, float depth) {
+    return t->error[(size_t)r * (t->steps + 1) + hs_eval_start_step(depth, t->steps_per_slice, t->steps)];
 }
 
 /* The label of the source column in which each pixel's centre lies. */
@@ -170,28 +189,25 @@ const char *hs_measure_key(hs_measure measure) {
     return keys[measure];
 }
 
-/* What the rays of one label come to, for every map of a line. */
-typedef struct {
-    uint32_t positive[HS_EVAL_MAX_LINE], negative[HS_EVAL_MAX_LINE];         /* rays */
-    uint64_t positive_sum[HS_EVAL_MAX_LINE], negative_sum[HS_EVAL_MAX_LINE]; /* steps */
-    uint32_t cut[HS_EVAL_MAX_LINE], left[HS_EVAL_MAX_LINE];                  /* rays beyond the tolerance */
-} tally;
-
 typedef struct {
     const hs_eval_table *table;
     const float *zero, *one, *weight;
     uint32_t count, blocks;
-    tally of[BLOCKS][2]; /* by block; sac, fetus */
+    hs_eval_tally of[BLOCKS][HS_EVAL_MAX_LINE][2]; /* by block and map; sac, fetus */
 } job;
 
-static void count_error(tally *t, uint32_t i, int32_t e, uint32_t is_occluded) {
+void hs_eval_count(hs_eval_tally by_label[2], uint8_t label, int32_t e, bool occluded, uint32_t tolerance) {
+    if (label == HS_LABEL_NEITHER) return;
+    hs_eval_tally *const t = &by_label[label == HS_LABEL_FETUS];
     const uint32_t too_early = e > 0 ? (uint32_t)e : 0u, too_late = e < 0 ? (uint32_t)-e : 0u;
-    t->positive[i] += too_early != 0;
-    t->negative[i] += too_late != 0;
-    t->positive_sum[i] += too_early;
-    t->negative_sum[i] += too_late;
-    t->cut[i] += too_late > HS_EVAL_TOLERANCE;
-    t->left[i] += is_occluded & (too_early > HS_EVAL_TOLERANCE);
+    t->rays++;
+    t->positive += too_early != 0;
+    t->negative += too_late != 0;
+    t->positive_sum += too_early;
+    t->negative_sum += too_late;
+    t->cut += too_late > tolerance;
+    t->occluded += occluded;
+    t->left += occluded & (too_early > tolerance);
 }
 
 static void count_block(void *context, uint32_t block) {
@@ -200,13 +216,12 @@ static void count_block(void *context, uint32_t block) {
     const uint32_t first = (uint32_t)((uint64_t)t->count * block / j->blocks);
     const uint32_t end = (uint32_t)((uint64_t)t->count * (block + 1) / j->blocks);
     for (uint32_t r = first; r < end; r++) {
-        const int16_t *row = t->error + (size_t)r * (t->steps + 1);
         const float zero = j->zero ? j->zero[t->pixel[r]] : 0.0f;
         const float slope = j->zero ? j->one[t->pixel[r]] - zero : 0.0f;
-        const uint32_t is_occluded = t->is_occluded[r];
-        tally *of = &j->of[block][r >= t->first_fetus];
+        const uint8_t label = r < t->first_fetus ? HS_LABEL_SAC : HS_LABEL_FETUS;
         for (uint32_t i = 0; i < j->count; i++)
-            count_error(of, i, row[hs_eval_start_step(t, zero + j->weight[i] * slope)], is_occluded);
+            hs_eval_count(j->of[block][i], label, error_at(t, r, zero + j->weight[i] * slope),
+                          t->is_occluded[r], HS_EVAL_TOLERANCE);
     }
 }
 
@@ -214,36 +229,33 @@ static float mean(uint64_t sum, uint32_t rays, float none) {
     return rays ? (float)((double)sum / rays) : none;
 }
 
-/* The three means of `rays` rays. */
-static void put_means(float *out, const tally *t, uint32_t i, uint32_t rays) {
-    out[0] = mean(t->positive_sum[i] + t->negative_sum[i], rays, NAN);
-    out[1] = mean(t->positive_sum[i], t->positive[i], rays ? 0.0f : NAN);
-    out[2] = mean(t->negative_sum[i], t->negative[i], rays ? 0.0f : NAN);
+/* The three means of a tally. */
+static void put_means(float *out, const hs_eval_tally *t) {
+    out[0] = mean(t->positive_sum + t->negative_sum, t->rays, NAN);
+    out[1] = mean(t->positive_sum, t->positive, t->rays ? 0.0f : NAN);
+    out[2] = mean(t->negative_sum, t->negative, t->rays ? 0.0f : NAN);
 }
 
-static void add(tally *to, const tally *t, uint32_t count) {
-    for (uint32_t i = 0; i < count; i++) {
-        to->positive[i] += t->positive[i];
-        to->negative[i] += t->negative[i];
-        to->positive_sum[i] += t->positive_sum[i];
-        to->negative_sum[i] += t->negative_sum[i];
-        to->cut[i] += t->cut[i];
-        to->left[i] += t->left[i];
-    }
+static void add(hs_eval_tally *to, const hs_eval_tally *t) {
+    to->rays += t->rays;
+    to->positive += t->positive;
+    to->negative += t->negative;
+    to->positive_sum += t->positive_sum;
+    to->negative_sum += t->negative_sum;
+    to->cut += t->cut;
+    to->occluded += t->occluded;
+    to->left += t->left;
 }
 
-static void finish(const hs_eval_table *table, const tally *sac, const tally *fetus, uint32_t count,
-                   hs_measures *out) {
-    const uint32_t fetus_rays = table->count - table->first_fetus;
-    tally both = *sac;
-    add(&both, fetus, count);
-    for (uint32_t i = 0; i < count; i++) {
-        put_means(&out[i].of[HS_MEASURE_ABS], &both, i, table->count);
-        put_means(&out[i].of[HS_MEASURE_ABS_SAC], sac, i, table->first_fetus);
-        put_means(&out[i].of[HS_MEASURE_ABS_FETUS], fetus, i, fetus_rays);
-        out[i].of[HS_MEASURE_FETUS_CUT] = mean(fetus->cut[i], fetus_rays, NAN);
-        out[i].of[HS_MEASURE_OCCLUDER_LEFT] = mean(both.left[i], table->occluded, NAN);
-    }
+void hs_eval_measures(const hs_eval_tally by_label[2], hs_measures *out) {
+    const hs_eval_tally *const fetus = &by_label[1];
+    hs_eval_tally both = by_label[0];
+    add(&both, fetus);
+    put_means(&out->of[HS_MEASURE_ABS], &both);
+    put_means(&out->of[HS_MEASURE_ABS_SAC], &by_label[0]);
+    put_means(&out->of[HS_MEASURE_ABS_FETUS], fetus);
+    out->of[HS_MEASURE_FETUS_CUT] = mean(fetus->cut, fetus->rays, NAN);
+    out->of[HS_MEASURE_OCCLUDER_LEFT] = mean(both.left, both.occluded, NAN);
 }
 
 void hs_eval_measure_line(const hs_eval_table *table, const float *zero, const float *one,
@@ -252,9 +264,11 @@ void hs_eval_measure_line(const hs_eval_table *table, const float *zero, const f
     job j = {.table = table, .zero = zero, .one = one, .weight = weight, .count = count, .blocks = BLOCKS};
     const bool small = (uint64_t)table->count * count < MIN_LOOKUPS;
     hs_parallel(small ? 1 : hs_thread_count(threads), BLOCKS, count_block, &j);
-    for (uint32_t b = 1; b < BLOCKS; b++)
-        for (int label = 0; label < 2; label++) add(&j.of[0][label], &j.of[b][label], count);
-    finish(table, &j.of[0][0], &j.of[0][1], count, out);
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t b = 1; b < BLOCKS; b++)
+            for (int label = 0; label < 2; label++) add(&j.of[0][i][label], &j.of[b][i][label]);
+        hs_eval_measures(j.of[0][i], &out[i]);
+    }
 }
 
 void hs_eval_measure_map(const hs_eval_table *table, const float *map, hs_measures *out) {
@@ -269,22 +283,18 @@ void hs_eval_error_picture(const hs_eval_table *table, const float *termination,
 }
 
 void hs_eval_measure_picture(const hs_eval_table *table, const float *termination, hs_measures *out) {
-    tally by_label[2] = {0};
+    hs_eval_tally by_label[2] = {{0}};
     const uint32_t pixels = table->width * table->height;
-    for (uint32_t i = 0; i < pixels; i++) {
-        if (table->label[i] == HS_LABEL_NEITHER) continue;
-        const uint32_t occluded = table->truth[i] - table->full[i] > HS_EVAL_TOLERANCE;
-        count_error(&by_label[table->label[i] == HS_LABEL_FETUS], 0,
-                    (int32_t)lrintf(table->truth[i] - termination[i]), occluded);
-    }
-    finish(table, &by_label[0], &by_label[1], 1, out);
+    for (uint32_t i = 0; i < pixels; i++)
+        hs_eval_count(by_label, table->label[i], (int32_t)lrintf(table->truth[i] - termination[i]),
+                      table->truth[i] - table->full[i] > HS_EVAL_TOLERANCE, HS_EVAL_TOLERANCE);
+    hs_eval_measures(by_label, out);
 }
 
 void hs_eval_look_up(const hs_eval_table *table, const float *map, float *termination) {
     memcpy(termination, table->truth, (size_t)table->width * table->height * sizeof *termination);
     for (uint32_t r = 0; r < table->count; r++) {
         const uint32_t i = table->pixel[r];
-        const int16_t *row = table->error + (size_t)r * (table->steps + 1);
-        termination[i] = table->truth[i] - (float)row[hs_eval_start_step(table, map ? map[i] : 0.0f)];
+        termination[i] = table->truth[i] - (float)error_at(table, r, map ? map[i] : 0.0f);
     }
 }

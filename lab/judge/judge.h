@@ -12,22 +12,6 @@
 
 #include <stddef.h>
 
-/* ---------------------------------------------------------------------------------------------- scenes -- */
-/* Scenes to judge surfaces on: nine cases, each in its own pose or in a shifted
- * one, with their ground truth. */
-
-typedef struct {
-    hs_scene_data fine; /* m^3 */
-    float *truth;       /* m^2: ray termination depths in the ground truth, in slices */
-} surf_case;
-
-/* Makes a scene of m^3 voxels. `pose` 0: the scene as its file has it; else fetus, limbs, occluders and sac
- * are shifted (by up to 4 mm), turned (8 degrees) and scaled (4 %), by numbers that `pose` seeds. `frame` of
- * the scene's motion. HS_ERR_INPUT, HS_ERR_OUTPUT, HS_ERR_MEMORY. */
-bool surf_case_make(const char *name, uint32_t m, uint64_t seed, uint32_t pose, uint32_t frame,
-                    surf_case *out, hs_error *err);
-void surf_case_free(surf_case *c);
-
 /* ----------------------------------------------------------------------------------------------- cases -- */
 /* A volume with its ground truth, to judge the definition of the wall's surface on: from files or from a
  * scene. */
@@ -56,10 +40,14 @@ bool wall_case_files(const char *files, wall_case *out, hs_error *err);
  * there, are the admissible depths. */
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err);
 
-/* Makes a scene of 128^3 voxels in a pose and a frame of its motion (surf_case_make). Zeros at the ends of a
- * ray were not scanned. */
+/* Makes a scene of 128^3 voxels. `pose` 0: the scene as its file has it; else fetus, limbs, occluders and sac
+ * are shifted (by up to 4 mm), turned (8 degrees) and scaled (4 %), by numbers that `pose` seeds. `frame` of
+ * its motion. Zeros at the ends of a ray were not scanned. HS_ERR_INPUT, HS_ERR_OUTPUT, HS_ERR_MEMORY. */
 bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t frame, wall_case *out,
                     hs_error *err);
+
+/* The same of a scene that is made: takes its arrays. */
+bool wall_case_scene(hs_scene_data *data, const char *name, wall_case *out, hs_error *err);
 
 /* A volume without a truth; the zeros at the ends of each ray were not scanned. */
 bool wall_case_open(const char *path, wall_case *out, hs_error *err);
@@ -79,14 +67,6 @@ void wall_case_free(wall_case *c);
 
 /* The full volume as the wall's definition takes it; borrows the case's arrays. */
 sv_wall_volume wall_case_volume(const wall_case *c);
-
-/* Slice at which a ray that starts in slice `start` ends (thesis Eq. 3.22 - 3.24,
- * defaults of spec 9), or nz. */
-float wall_termination(const uint8_t *voxels, size_t plane, uint32_t nz, size_t pixel, uint32_t start);
-
-/* The first slice that is drawn of a ray that starts at a surface of that depth (host_sim's rule for a step
- * of one slice). */
-uint32_t wall_first_drawn(float depth, uint32_t nz);
 
 /* -------------------------------------------------------------------------------------- turned cameras -- */
 /* Another pose of a camera before a case whose truth is known: a check on data that nobody made for it. */

@@ -72,7 +72,7 @@ static bool find_truth(wall_case *c, const hs_volume *truth, hs_error *err) {
     const size_t plane = (size_t)c->nx * c->ny;
     c->truth = malloc(plane * sizeof *c->truth);
     if (!c->truth) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu rays", c->name, plane);
-    for (size_t i = 0; i < plane; i++) c->truth[i] = wall_termination(truth->voxels, plane, c->nz, i, 0);
+    for (size_t i = 0; i < plane; i++) c->truth[i] = hs_eval_ray_end(truth->voxels, plane, c->nz, i, 0);
     return true;
 }
 
@@ -163,25 +163,16 @@ bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_err
     return false;
 }
 
-bool wall_case_make(const char *scene, uint64_t seed, uint32_t pose, uint32_t frame, wall_case *out,
-                    hs_error *err) {
-    surf_case c;
-    *out = (wall_case){0};
-    if (!surf_case_make(scene, 128, seed, pose, frame, &c, err)) return false;
-    take(out, &c.fine.full, scene);
-    out->label = c.fine.label;
-    out->truth = c.truth;
-    out->clean = c.fine.truth.voxels;
-    out->near = c.fine.near_end;
-    out->far = c.fine.far_end;
-    c.fine.near_end = c.fine.far_end = NULL;
-    c.fine.label = NULL;
-    c.truth = NULL;
-    c.fine.truth.voxels = NULL;
-    surf_case_free(&c);
-    if (make_ranges(out, err)) return true;
-    wall_case_free(out);
-    return false;
+bool wall_case_scene(hs_scene_data *data, const char *name, wall_case *out, hs_error *err) {
+    *out = (wall_case){.label = data->label, .near = data->near_end, .far = data->far_end};
+    data->label = NULL;
+    data->near_end = data->far_end = NULL;
+    take(out, &data->full, name);
+    const bool ok = find_truth(out, &data->truth, err) && make_ranges(out, err);
+    out->clean = data->truth.voxels;
+    data->truth.voxels = NULL;
+    if (!ok) wall_case_free(out);
+    return ok;
 }
 
 bool wall_case_open(const char *path, wall_case *out, hs_error *err) {
@@ -387,7 +378,7 @@ bool wall_case_tilt(wall_case *c, const double degrees[2], hs_error *err) {
             const size_t ray = (size_t)y * c->nx + x;
             double at[3];
             turn_ray(c, &m, x, y, &to);
-            to.truth[ray] = wall_termination(to.clean, plane, c->nz, ray, 0);
+            to.truth[ray] = hs_eval_ray_end(to.clean, plane, c->nz, ray, 0);
             place_of(&m, x, y, (double)to.truth[ray], at);
             if (to.end[ray] && to.truth[ray] < (float)c->nz) to.label[ray] = label_at(c, at);
         }

@@ -60,7 +60,7 @@ static void nothing_hides(wall_case *c, bool relabel) {
     const size_t plane = plane_of(c);
     memcpy(c->clean, c->full, plane * c->nz);
     for (size_t i = 0; i < plane; i++) {
-        c->truth[i] = wall_termination(c->full, plane, c->nz, i, 0);
+        c->truth[i] = hs_eval_ray_end(c->full, plane, c->nz, i, 0);
         if (relabel) c->label[i] = c->truth[i] < (float)c->nz ? HS_LABEL_FETUS : HS_LABEL_NEITHER;
     }
 }

@@ -1,20 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes to judge surfaces on: nine cases, each in its own pose or in a shifted
- * one, with their ground truth. */
+/* Scenes to judge surfaces on, each in its own pose or in a shifted one. */
 #include "judge/judge.h"
 
 #include "base/paths.h"
 
 #include <jansson.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#define T_LOW       (40.5f / 255.0f)
-#define T_HIGH      0.45f
-#define TERMINATION 0.95f
+enum { SIDE = 128 }; /* voxels an axis */
 
 /* -1 .. 1 */
 static double random_number(uint64_t *state) {
@@ -68,51 +64,20 @@ static bool write_pose(const char *name, uint32_t pose, char *path, size_t size,
     return written || (file >= 0 && hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written", path));
 }
 
-float wall_termination(const uint8_t *voxels, size_t plane, uint32_t nz, size_t pixel, uint32_t start) {
-    float opacity = 0.0f;
-    for (uint32_t z = start; z < nz; z++) {
-        const float value = (float)voxels[z * plane + pixel] / 255.0f;
-        opacity += (1.0f - opacity) * fminf(fmaxf((value - T_LOW) / (T_HIGH - T_LOW), 0.0f), 1.0f);
-        if (opacity >= TERMINATION) return (float)z;
-    }
-    return (float)nz;
-}
-
-uint32_t wall_first_drawn(float depth, uint32_t nz) {
-    if (!(depth > 0.0f)) return 0;
-    const float first = ceilf(depth - 1e-3f);
-    return first >= (float)nz ? nz : (uint32_t)first;
-}
-
-/* Returns where a ray of a cube of m^3 voxels ends that starts at depth `start`. */
-static float fine_end(const uint8_t *voxels, uint32_t m, size_t pixel, float start) {
-    return wall_termination(voxels, (size_t)m * m, m, pixel, wall_first_drawn(start, m));
-}
-
-bool surf_case_make(const char *name, uint32_t m, uint64_t seed, uint32_t pose, uint32_t frame,
-                    surf_case *out, hs_error *err) {
-    *out = (surf_case){0};
+bool wall_case_make(const char *name, uint64_t seed, uint32_t pose, uint32_t frame, wall_case *out,
+                    hs_error *err) {
+    const hs_scene_options options = {.size = SIDE, .seed = seed, .frame = frame};
     char path[1024];
+    hs_scene_data data;
+    *out = (wall_case){0};
     if (pose && !write_pose(name, pose, path, sizeof path, err)) return false;
     hs_scene *scene = hs_scene_open(pose ? path : name, err);
     if (pose) (void)unlink(path);
     if (!scene) return false;
-    const hs_scene_options options = {.size = m, .seed = seed, .frame = frame};
-    const bool made = hs_scene_frame(scene, &options, &out->fine, NULL, err);
+    const bool made = hs_scene_frame(scene, &options, &data, NULL, err);
     hs_scene_close(scene);
     if (!made) return false;
-    out->truth = malloc((size_t)m * m * sizeof *out->truth);
-    if (!out->truth) {
-        surf_case_free(out);
-        return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %u^2 depths", name, m);
-    }
-    for (size_t pixel = 0; pixel < (size_t)m * m; pixel++)
-        out->truth[pixel] = fine_end(out->fine.truth.voxels, m, pixel, 0.0f);
-    return true;
-}
-
-void surf_case_free(surf_case *c) {
-    free(c->truth);
-    hs_scene_free(&c->fine);
-    *c = (surf_case){0};
+    const bool ok = wall_case_scene(&data, name, out, err);
+    hs_scene_free(&data);
+    return ok;
 }

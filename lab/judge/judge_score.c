@@ -3,16 +3,18 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* ---------------------------------------------------------------------------------------------- a case -- */
-/* How good a surface is: Eq. 4.6 of the thesis, what is cut and what is left, and whether the confidence
- * tells. */
+/* How good a surface is by the report's measures, for which every labelled ray is hidden, and whether the
+ * confidence tells. */
 
 #define TOLERANCE    2.0f /* slices of 128 */
 #define TOLERANCE_MM 2.0  /* by the admissible depths */
 
 float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth) {
-    return wall_termination(voxels, (size_t)c->nx * c->ny, c->nz, pixel, wall_first_drawn(depth, c->nz));
+    return hs_eval_ray_end(voxels, (size_t)c->nx * c->ny, c->nz, pixel,
+                           hs_eval_start_step(depth, 1.0f, c->nz));
 }
 
 /* Whether a ray of the fetus is clipped more than 2 mm out of its admissible depths. */
@@ -22,36 +24,36 @@ static void judge_interval(const wall_case *c, size_t i, float depth, uint64_t *
     *shallow += depth < c->near[i] - tolerance;
 }
 
+static double known(float measure) {
+    return isnan(measure) ? 0.0 : (double)measure;
+}
+
 wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,
                       const float *confidence, wall_calibration *calibration) {
-    const size_t plane = (size_t)c->nx * c->ny;
     const float scale = 128.0f / (float)c->nz;
-    double sum = 0.0, of_fetus = 0.0;
-    uint64_t rays = 0, fetus = 0, cut = 0, left = 0, deep = 0, shallow = 0;
-    for (size_t i = 0; i < plane; i++) {
-        if (c->label[i] == 0) continue;
-        const bool is_fetus = c->label[i] == 2;
-        const float error = scale * (c->truth[i] - wall_ray_end(c, original, i, depth[i]));
-        sum += fabs((double)error);
-        rays++;
-        left += error > TOLERANCE;
-        fetus += is_fetus;
-        cut += is_fetus && error < -TOLERANCE;
-        if (is_fetus) of_fetus += fabs((double)error);
-        if (is_fetus && c->far) judge_interval(c, i, depth[i], &deep, &shallow);
+    const uint32_t tolerance = (uint32_t)(TOLERANCE / scale);
+    hs_eval_tally by_label[2] = {{0}};
+    hs_measures m;
+    uint64_t deep = 0, shallow = 0;
+    for (size_t i = 0; i < (size_t)c->nx * c->ny; i++) {
+        if (c->label[i] == HS_LABEL_NEITHER) continue;
+        const int32_t e = (int32_t)(c->truth[i] - wall_ray_end(c, original, i, depth[i]));
         const int bin = (int)(confidence[i] * (WALL_BINS - 1) + 0.5f);
-        if (fabsf(error) > TOLERANCE)
+        hs_eval_count(by_label, c->label[i], e, true, tolerance);
+        if (c->label[i] == HS_LABEL_FETUS && c->far) judge_interval(c, i, depth[i], &deep, &shallow);
+        if ((uint32_t)abs(e) > tolerance)
             calibration->wrong[bin]++;
         else
             calibration->right[bin]++;
     }
-    const double of_rays = rays ? (double)rays : 1.0, of = fetus ? (double)fetus : 1.0;
-    return (wall_score){.error = sum / of_rays,
-                        .cut = (double)cut / of,
-                        .left = (double)left / of_rays,
-                        .fetus = of_fetus / of,
-                        .deep = c->far ? (double)deep / of : NAN,
-                        .shallow = c->far ? (double)shallow / of : NAN};
+    hs_eval_measures(by_label, &m);
+    const double fetus = by_label[1].rays ? by_label[1].rays : 1.0;
+    return (wall_score){.error = (double)scale * known(m.of[HS_MEASURE_ABS]),
+                        .cut = known(m.of[HS_MEASURE_FETUS_CUT]),
+                        .left = known(m.of[HS_MEASURE_OCCLUDER_LEFT]),
+                        .fetus = (double)scale * known(m.of[HS_MEASURE_ABS_FETUS]),
+                        .deep = c->far ? (double)deep / fetus : NAN,
+                        .shallow = c->far ? (double)shallow / fetus : NAN};
 }
 
 double wall_auc(const wall_calibration *t) {
@@ -88,7 +90,7 @@ double wall_cut_anywhere(const wall_case *c, const float *depth) {
     const float scale = 128.0f / (float)c->nz;
     uint64_t rays = 0, cut = 0;
     for (size_t i = 0; i < plane; i++) {
-        const float whole = wall_termination(c->full, plane, c->nz, i, 0);
+        const float whole = hs_eval_ray_end(c->full, plane, c->nz, i, 0);
         if (whole >= (float)c->nz) continue;
         rays++;
         cut += scale * (wall_ray_end(c, c->full, i, depth[i]) - whole) > TOLERANCE;

@@ -37,7 +37,7 @@ static wall_case make(void) {
         c.first[i] = FIRST;
         c.end[i] = N;
         c.label[i] = i % N < N / 2 ? 2 : 1;
-        c.truth[i] = wall_termination(c.clean, PLANE, N, i, 0);
+        c.truth[i] = hs_eval_ray_end(c.clean, PLANE, N, i, 0);
         assert_true(c.truth[i] == BACK);
     }
     return c;
