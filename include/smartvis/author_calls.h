@@ -18,6 +18,12 @@ static inline sva *sva_enter(const sv_plugin *plugin) {
     return a;
 }
 
+/* What ends a frame, or an adjust, without a map: the method lets go of the host's memory. */
+static inline sv_status sva_fail(sva *a, sv_status status) {
+    if (status < 0 && a->method->abandon) a->method->abandon(a);
+    return status;
+}
+
 /* A method's status. An error without a reason gets one; success leaves none behind. */
 static inline sv_status sva_heed(sva *a, const char *call, sv_status status) {
     if (status == SV_OK) a->reason[0] = '\0';
@@ -82,7 +88,7 @@ static inline void sva_keep_format(sva *a, const sv_format *format) {
 
 static inline sv_status sva_allocate(sva *a) {
     const int maps = a->method->output == NULL;
-    if (a->format.carrier == SV_CARRIER_HOST)
+    if (maps && a->format.carrier == SV_CARRIER_HOST)
         a->slice = (const uint8_t **)calloc(a->format.slices, sizeof *a->slice);
     if (maps) a->depth = (float *)calloc(sva_rays(a), sizeof *a->depth);
     if (maps) a->points = (uint8_t *)calloc(sva_rays(a), 1);
@@ -90,8 +96,9 @@ static inline sv_status sva_allocate(sva *a) {
     /* For who finds a crash behind it: sv_validate quotes the last line. */
     if (maps && !a->method->ray_bytes)
         sva_log(a, SV_LOG_DEBUG, "sva_method.ray_bytes is 0: sva.rays is NULL");
+    if (maps && !a->own) sva_log(a, SV_LOG_DEBUG, "sva_method.own_bytes is 0: sva.own is NULL");
     if ((maps && (!a->depth || !a->points || (a->method->ray_bytes && !a->rays))) ||
-        (a->format.carrier == SV_CARRIER_HOST && !a->slice))
+        (maps && a->format.carrier == SV_CARRIER_HOST && !a->slice))
         return sva_error(a, SV_ERR_NO_MEMORY, "activate: no memory for maps of %u x %u",
                          (unsigned)a->format.width, (unsigned)a->format.height);
     return SV_OK;
@@ -101,7 +108,7 @@ static inline sv_status SV_CALL sva_activate(const sv_plugin *plugin, const sv_f
     sva *a = sva_enter(plugin);
     const uint32_t count = a->method->param_count;
     if (a->state != SVA_INACTIVE) return sva_wrong_state(a, "activate");
-    sv_status status = sva_check_format(a, format);
+    sv_status status = sva_check_format(a, format, 0);
     if (status != SV_OK) return status;
     for (uint32_t i = 0; i < count; i++) a->values[i] = a->method->params[i].default_value;
     status = sva_take_values(a, "activate", format->values, format->value_count, SV_PARAM_REACTIVATE);
@@ -122,6 +129,7 @@ static inline sv_status SV_CALL sva_activate(const sv_plugin *plugin, const sv_f
 static inline sv_status SV_CALL sva_begin(const sv_plugin *plugin, const sv_frame *frame) {
     sva *a = sva_enter(plugin);
     if (a->state == SVA_INACTIVE) return sva_wrong_state(a, "begin");
+    if (a->state == SVA_SLABS && a->method->abandon) a->method->abandon(a);
     a->state = SVA_IDLE;
     sv_status status = sva_check_frame(a, frame);
     if (status != SV_OK) return status;
@@ -138,7 +146,7 @@ static inline sv_status SV_CALL sva_begin(const sv_plugin *plugin, const sv_fram
     if (a->rays) memset(a->rays, 0, sva_rays(a) * a->method->ray_bytes);
     if (a->method->begin) status = sva_heed(a, "begin", a->method->begin(a));
     if (status >= SV_OK) a->state = SVA_SLABS;
-    return status;
+    return sva_fail(a, status);
 }
 
 static inline sv_status SV_CALL sva_slab(const sv_plugin *plugin, const sv_slab *slab) {
@@ -146,13 +154,17 @@ static inline sv_status SV_CALL sva_slab(const sv_plugin *plugin, const sv_slab 
     if (a->state != SVA_SLABS) return sva_wrong_state(a, "slab");
     a->state = SVA_IDLE; /* an error ends the frame */
     sv_status status = sva_check_slab(a, slab);
-    if (status != SV_OK) return status;
+    if (status == SV_OK && !sva_in_host_memory(&a->format, slab))
+        status = sva_blame(a, SV_ERR_SLAB_SHAPE,
+                           "slab: memory does not lie within the %llu bytes of the format's host_memory",
+                           (unsigned long long)a->format.host_memory_bytes);
+    if (status != SV_OK) return sva_fail(a, status);
     for (uint32_t s = 0; a->slice && s < slab->slice_count; s++)
         a->slice[slab->first_slice + s] = (const uint8_t *)slab->memory + sva_byte(&a->format, 0, 0, s);
     a->next_slice += slab->slice_count;
     if (a->method->slab) status = sva_heed(a, "slab", a->method->slab(a, slab));
     if (status >= SV_OK) a->state = SVA_SLABS;
-    return status;
+    return sva_fail(a, status);
 }
 
 /* The map that a method has filled becomes one that may leave: finite, and 0 where there is no surface. Also
@@ -212,15 +224,12 @@ static inline sv_status SV_CALL sva_end(const sv_plugin *plugin, const sv_result
     sva *a = sva_enter(plugin);
     if (a->state != SVA_SLABS) return sva_wrong_state(a, "end");
     a->state = SVA_IDLE;
-    if (a->next_slice < a->format.slices)
-        return sva_blame(a, SV_ERR_SLAB_MISSING, "end: %u of %u slices came", (unsigned)a->next_slice,
-                         (unsigned)a->format.slices);
-    sv_status status = sva_check_result(a, "end", result);
-    if (status != SV_OK) return status;
+    sv_status status = sva_check_end(a, result);
+    if (status != SV_OK) return sva_fail(a, status);
     if (a->points) memset(a->points, SV_POINT_NONE, sva_rays(a));
     status = sva_deliver(a, "end", a->method->finish(a, a->depth), result);
     if (status >= 0) a->state = SVA_FINISHED;
-    return status;
+    return sva_fail(a, status);
 }
 
 static inline sv_status SV_CALL sva_adjust(const sv_plugin *plugin, const sv_param_value *values,
@@ -230,9 +239,10 @@ static inline sv_status SV_CALL sva_adjust(const sv_plugin *plugin, const sv_par
     memcpy(a->values, a->framed, a->method->param_count * sizeof *a->values);
     sv_status status = sva_take_values(a, "adjust", values, value_count, SV_PARAM_ADJUST);
     if (status == SV_OK) status = sva_check_result(a, "adjust", result);
-    if (status != SV_OK) return status;
-    if (a->method->adjust) return sva_deliver(a, "adjust", a->method->adjust(a, a->depth), result);
-    return a->method->output ? sva_deliver(a, "adjust", SV_OK, result) : sva_give_out(a, "adjust", result);
+    if (status != SV_OK) return sva_fail(a, status);
+    if (!a->method->adjust && !a->method->output) return sva_give_out(a, "adjust", result);
+    status = a->method->adjust ? a->method->adjust(a, a->depth) : SV_OK;
+    return sva_fail(a, sva_deliver(a, "adjust", status, result));
 }
 
 /* --------------------------------------------------------------------------------------------- any -- */
@@ -242,7 +252,13 @@ static inline uint32_t SV_CALL sva_param_count(const sv_plugin *plugin) {
 }
 
 /* A call from any thread only logs. */
-static inline sv_status sva_tell(const sva *a, sv_status status, const char *text) {
+SVA_PRINTF(3, 4)
+static inline sv_status sva_tell(const sva *a, sv_status status, const char *format, ...) {
+    char text[256];
+    va_list args;
+    va_start(args, format);
+    sva_print(text, sizeof text, format, args);
+    va_end(args);
     sva_log(a, SV_LOG_HOST_MISBEHAVING, text);
     return status;
 }
@@ -250,9 +266,12 @@ static inline sv_status sva_tell(const sva *a, sv_status status, const char *tex
 static inline sv_status SV_CALL sva_param_info(const sv_plugin *plugin, uint32_t index, sv_param_info *out) {
     const sva *a = (const sva *)plugin->plugin_data;
     if (!out) return sva_tell(a, SV_ERR_ARGUMENT, "param_info: out is NULL");
-    if (out->size < sizeof *out) return sva_tell(a, SV_ERR_SIZE, "param_info: out.size is too small");
+    if (out->size < sizeof *out)
+        return sva_tell(a, SV_ERR_SIZE, "param_info: out.size is %u, expected at least %u",
+                        (unsigned)out->size, (unsigned)sizeof *out);
     if (index >= a->method->param_count)
-        return sva_tell(a, SV_ERR_ARGUMENT, "param_info: index is not below param_count");
+        return sva_tell(a, SV_ERR_ARGUMENT, "param_info: index is %u, there are %u parameters",
+                        (unsigned)index, (unsigned)a->method->param_count);
     const sva_param *p = &a->method->params[index];
     const int whole = p->display_min == 0.0 && p->display_max == 0.0;
     out->id = p->id;
@@ -271,8 +290,16 @@ static inline sv_status SV_CALL sva_param_info(const sv_plugin *plugin, uint32_t
     out->group = p->group ? p->group : "";
     out->depends_on = p->depends_on;
     out->reserved = 0;
-    out->depends_values = p->depends_values;
+    out->depends_values = a->method->depends_values ? a->method->depends_values(p) : p->depends_values;
     return SV_OK;
+}
+
+/* A number as text, with a point in any locale. */
+SVA_PRINTF(3, 4) static inline void sva_text(char *out, size_t bytes, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    sva_print(out, bytes, format, args);
+    va_end(args);
 }
 
 static inline sv_status SV_CALL sva_param_text(const sv_plugin *plugin, uint32_t id, double value, char *out,
@@ -281,15 +308,17 @@ static inline sv_status SV_CALL sva_param_text(const sv_plugin *plugin, uint32_t
     const sva_param *p = sva_find(a, id);
     if (!out || bytes == 0) return sva_tell(a, SV_ERR_ARGUMENT, "param_text: no room for text");
     out[0] = '\0';
-    if (!p) return sva_tell(a, SV_ERR_PARAM_ID, "param_text: no parameter has this id");
+    if (!p) return sva_tell(a, SV_ERR_PARAM_ID, "param_text: no parameter has id %u", (unsigned)id);
     if (sva_left_out(p, value)) return SV_ERR_PARAM_RANGE; /* a host that asks which values there are */
-    if (!sva_value_fits(p, value)) return sva_tell(a, SV_ERR_PARAM_RANGE, "param_text: value out of range");
+    if (!sva_value_fits(p, value))
+        return sva_tell(a, SV_ERR_PARAM_RANGE, "param_text: %s is %g, expected %g to %g", p->key, value,
+                        p->min_value, p->max_value);
     if (p->names)
         (void)snprintf(out, bytes, "%s", p->names[(size_t)((value - p->min_value) / sva_step(p))]);
     else if (p->type == SV_PARAM_BOOL)
         (void)snprintf(out, bytes, "%s", value != 0.0 ? "true" : "false");
     else
-        (void)snprintf(out, bytes, "%.6g", value);
+        sva_text(out, bytes, "%.6g", value);
     return SV_OK;
 }
 
@@ -306,7 +335,10 @@ static inline const void *SV_CALL sva_get_extension(const sv_plugin *plugin, con
 
 /* What is wrong with the author's own tables as a text for the log; "" if nothing is. */
 static inline void sva_fault(const sva_method *m, char *out, size_t bytes) {
-    const char *fault = m->finish ? "" : "finish is NULL";
+    const char *fault = !m->finish                     ? "sva_method.finish is NULL"
+                        : m->params && !m->param_count ? "sva_method.params is given, and param_count is 0"
+                        : m->param_count && !m->params ? "sva_method.params is NULL, and param_count is not 0"
+                                                       : "";
     for (uint32_t i = 0; i < m->param_count && !fault[0]; i++) {
         const sva_param *p = &m->params[i];
         const int whole = p->id != 0 && p->key && p->label && p->unit && p->help;
@@ -354,15 +386,21 @@ static inline sv_status sva_create(const sva_method *method, const sv_host *host
     sva_fault(method, fault, sizeof fault);
     const int known = strcmp(id, method->descriptor->id) == 0;
     if (fault[0] && host->log) host->log(host, SV_LOG_PLUGIN_MISBEHAVING, fault);
-    if (!known && host->log) host->log(host, SV_LOG_HOST_MISBEHAVING, "create: no plugin with that id here");
-    if (fault[0] || !known) return fault[0] ? SV_ERR_INTERNAL : SV_ERR_UNKNOWN_ID;
+    if (!known) {
+        (void)snprintf(fault, sizeof fault, "create: no plugin '%.100s' here, only '%.100s'", id,
+                       method->descriptor->id);
+        if (host->log) host->log(host, SV_LOG_HOST_MISBEHAVING, fault);
+        return SV_ERR_UNKNOWN_ID;
+    }
+    if (fault[0]) return SV_ERR_INTERNAL;
     sva *a = (sva *)calloc(1, sizeof *a);
     double *values = (double *)calloc(3 * (size_t)method->param_count + 1, sizeof *values);
-    void *own = calloc(1, method->own_bytes + 1);
-    if (!a || !values || !own) {
+    void *own = method->own_bytes > 0 ? calloc(1, method->own_bytes) : NULL;
+    if (!a || !values || (method->own_bytes > 0 && !own)) {
         free(a);
         free(values);
         free(own);
+        if (host->log) host->log(host, SV_LOG_ERROR, "create: no memory for an instance");
         return SV_ERR_NO_MEMORY;
     }
     a->method = method;

@@ -48,6 +48,17 @@ static inline int sva_value_fits(const sva_param *p, double value) {
     return sva_on_step(p, value) && !sva_left_out(p, value);
 }
 
+static inline sv_status sva_refuse_value(sva *a, const char *call, const sva_param *p, double value) {
+    if (sva_left_out(p, value))
+        return sva_blame(a, SV_ERR_PARAM_RANGE, "%s: %s is %g, which is none of its values", call, p->key,
+                         value);
+    if (p->type == SV_PARAM_FLOAT)
+        return sva_blame(a, SV_ERR_PARAM_RANGE, "%s: %s is %g, expected %g to %g", call, p->key, value,
+                         p->min_value, p->max_value);
+    return sva_blame(a, SV_ERR_PARAM_RANGE, "%s: %s is %g, expected %g to %g in steps of %g", call, p->key,
+                     value, p->min_value, p->max_value, sva_step(p));
+}
+
 /* Takes a list into a->values. `needed`: the flag that the call asks for (0: any). Values of activate are
  * refused where they differ, but by activate itself. */
 static inline sv_status sva_take_values(sva *a, const char *call, const sv_param_value *list, uint32_t count,
@@ -59,9 +70,7 @@ static inline sv_status sva_take_values(sva *a, const char *call, const sv_param
         const double value = list[n].value;
         if (!p)
             return sva_blame(a, SV_ERR_PARAM_ID, "%s: no parameter has id %u", call, (unsigned)list[n].id);
-        if (!sva_value_fits(p, value))
-            return sva_blame(a, SV_ERR_PARAM_RANGE, "%s: %s is %g, expected %g to %g in steps of %g", call,
-                             p->key, value, p->min_value, p->max_value, sva_step(p));
+        if (!sva_value_fits(p, value)) return sva_refuse_value(a, call, p, value);
         const size_t i = (size_t)(p - a->method->params);
         const int frozen = (p->flags & SV_PARAM_REACTIVATE) && needed != SV_PARAM_REACTIVATE;
         if (frozen && value != a->fixed[i])
@@ -90,8 +99,9 @@ static inline sv_status sva_check_range(sva *a, const char *field, uint64_t valu
                      (unsigned long long)value, (unsigned long long)minimum, (unsigned long long)maximum);
 }
 
-/* What the descriptor offers. */
-static inline sv_status sva_check_offer(sva *a, const sv_format *f) {
+/* What the descriptor offers. `planned`: a format that is to be, whose OpenCL objects may still be missing.
+ */
+static inline sv_status sva_check_offer(sva *a, const sv_format *f, int planned) {
     const sv_descriptor *d = a->method->descriptor;
     const int given = (f->context != NULL) + (f->device != NULL) + (f->queue != NULL);
     if (given != 0 && given != 3)
@@ -105,14 +115,11 @@ static inline sv_status sva_check_offer(sva *a, const sv_format *f) {
     if (f->carrier < SV_CARRIER_HOST || f->carrier > SV_CARRIER_IMAGE)
         return sva_blame(a, SV_ERR_ARGUMENT, "activate: carrier is %u, expected 1, 2 or 3",
                          (unsigned)f->carrier);
-    if (!(d->carriers & SV_BIT(f->carrier)) || (!given && f->carrier != SV_CARRIER_HOST))
+    if (!(d->carriers & SV_BIT(f->carrier)) || (!given && !planned && f->carrier != SV_CARRIER_HOST))
         return sva_blame(a, SV_ERR_FORMAT,
                          "activate: carrier is %u; see the descriptor's carriers and queues",
                          (unsigned)f->carrier);
-    if (f->voxel_type != SV_VOXEL_U8 && f->voxel_type != SV_VOXEL_U16)
-        return sva_blame(a, SV_ERR_ARGUMENT, "activate: voxel_type is %u, expected 1 or 2",
-                         (unsigned)f->voxel_type);
-    if (!(d->voxel_types & SV_BIT(f->voxel_type)) || f->voxel_type != SV_VOXEL_U8)
+    if (f->voxel_type != SV_VOXEL_U8 || !(d->voxel_types & SV_BIT(SV_VOXEL_U8)))
         return sva_blame(a, SV_ERR_FORMAT, "activate: voxel_type is %u, this plugin reads SV_VOXEL_U8 (1)",
                          (unsigned)f->voxel_type);
     if (f->flags & ~(uint32_t)SV_FORMAT_SCANNED)
@@ -134,7 +141,7 @@ static inline sv_status sva_check_spacing(sva *a, const float *mm) {
                      (double)mm[0], (double)mm[1], (double)mm[2]);
 }
 
-static inline sv_status sva_check_format(sva *a, const sv_format *f) {
+static inline sv_status sva_check_format(sva *a, const sv_format *f, int planned) {
     if (!f) return sva_blame(a, SV_ERR_ARGUMENT, "activate: format is NULL");
     sv_status s = sva_check_size(a, "activate: format", f->size, sizeof *f);
     if (s == SV_OK) s = sva_check_range(a, "width", f->width, 1, SVA_MAX_SIDE);
@@ -144,7 +151,7 @@ static inline sv_status sva_check_format(sva *a, const sv_format *f) {
     if (s == SV_OK) s = sva_check_range(a, "tiles_x", f->tiles_x, 1, SVA_MAX_SIDE);
     if (s == SV_OK) s = sva_check_range(a, "tile_w", f->tile_w, f->width, SVA_MAX_TILE);
     if (s == SV_OK) s = sva_check_range(a, "tile_h", f->tile_h, f->height, SVA_MAX_TILE);
-    if (s == SV_OK) s = sva_check_offer(a, f);
+    if (s == SV_OK) s = sva_check_offer(a, f, planned);
     if (s == SV_OK && f->carrier != SV_CARRIER_IMAGE)
         s = sva_check_range(a, "row_pitch", f->row_pitch, (uint64_t)f->tiles_x * f->tile_w, UINT32_MAX);
     if (s == SV_OK && (f->padding_value < SV_NO_PADDING || f->padding_value > 255))
@@ -216,6 +223,15 @@ static inline sv_status sva_check_slab(sva *a, const sv_slab *slab) {
                      (unsigned long long)minimum);
 }
 
+/* 1 unless the slab lies outside of the memory that the format registered. A host must not do that; a plugin
+ * need not notice. */
+static inline int sva_in_host_memory(const sv_format *f, const sv_slab *slab) {
+    const char *from = (const char *)f->host_memory, *memory = (const char *)slab->memory;
+    return !from || !memory ||
+           (memory >= from && memory <= from + f->host_memory_bytes &&
+            slab->bytes <= (uint64_t)(from + f->host_memory_bytes - memory));
+}
+
 static inline sv_status sva_check_result(sva *a, const char *call, const sv_result *r) {
     if (!r) return sva_blame(a, SV_ERR_ARGUMENT, "%s: result is NULL", call);
     sv_status s = sva_check_size(a, "result", r->size, sizeof *r);
@@ -235,6 +251,12 @@ static inline sv_status sva_check_result(sva *a, const char *call, const sv_resu
                          "least %u",
                          call, (unsigned)r->depth_pitch, (unsigned)(a->format.width * 4));
     return SV_OK;
+}
+
+static inline sv_status sva_check_end(sva *a, const sv_result *r) {
+    if (a->next_slice == a->format.slices) return sva_check_result(a, "end", r);
+    return sva_blame(a, SV_ERR_SLAB_MISSING, "end: %u of %u slices came", (unsigned)a->next_slice,
+                     (unsigned)a->format.slices);
 }
 
 #ifdef __cplusplus

@@ -4,11 +4,8 @@
 #ifndef SMARTVIS_AUTHOR_DEVICE_H
 #define SMARTVIS_AUTHOR_DEVICE_H
 
-#ifndef CL_VERSION_1_2
-#error "include <CL/cl.h> with CL_TARGET_OPENCL_VERSION 120 or later before smartvis/author_cl.h"
-#endif
-
 #include "smartvis/author.h"
+#include "smartvis/author_objects.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -79,11 +76,6 @@ static const char sva_cl_prelude[] =
     "}\n"
     "#line 1\n";
 
-/* SV_OK, or SV_ERR_OPENCL with the call's name and code. */
-static inline sv_status sva_cl_check(sva *a, cl_int code, const char *call) {
-    return code == CL_SUCCESS ? SV_OK : sva_error(a, SV_ERR_OPENCL, "%s: OpenCL error %d", call, (int)code);
-}
-
 /* ---------------------------------------------------------------------------- activate, deactivate -- */
 
 /* [control] A buffer that sva_cl_close releases; at most SVA_CL_OBJECTS of them. */
@@ -97,13 +89,20 @@ static inline sv_status sva_cl_buffer(sva *a, size_t bytes, cl_mem *out) {
     return sva_cl_check(a, code, "clCreateBuffer");
 }
 
+/* Makes a kernel; a name that the source does not have is refused with the names there are. */
 static inline sv_status sva_cl_kernel(sva *a, const char *name) {
     sva_cl *cl = (sva_cl *)a->own;
+    char names[300];
     cl_int code = CL_SUCCESS;
     if (cl->kernel_count == SVA_CL_OBJECTS)
         return sva_error(a, SV_ERR_INTERNAL, "activate: too many kernels");
     cl_kernel kernel = clCreateKernel(cl->program, name, &code);
-    if (code != CL_SUCCESS) return sva_error(a, SV_ERR_OPENCL, "kernel %s: OpenCL error %d", name, (int)code);
+    memset(names, 0, sizeof names);
+    if (code == CL_INVALID_KERNEL_NAME)
+        (void)clGetProgramInfo(cl->program, CL_PROGRAM_KERNEL_NAMES, sizeof names - 1, names, NULL);
+    if (code != CL_SUCCESS)
+        return sva_error(a, SV_ERR_OPENCL, "kernel %s: %s (%d)%s%s", name, sva_cl_name(code), (int)code,
+                         names[0] ? "; the source has " : "", names);
     cl->kernels[cl->kernel_count++] = kernel;
     return SV_OK;
 }
@@ -111,6 +110,7 @@ static inline sv_status sva_cl_kernel(sva *a, const char *name) {
 /* [control] Frees all that sva_cl_open, sva_cl_buffer and sva_cl_kernel made, whole or in part. */
 static inline void sva_cl_close(sva *a) {
     sva_cl *cl = (sva_cl *)a->own;
+    if (a->method->own_bytes < sizeof *cl) return;
     if (cl->queue) (void)clFinish(cl->queue);
     while (cl->buffer_count > 0) (void)clReleaseMemObject(cl->buffers[--cl->buffer_count]);
     while (cl->kernel_count > 0) (void)clReleaseKernel(cl->kernels[--cl->kernel_count]);
@@ -156,7 +156,7 @@ static inline sv_status sva_cl_tell_build(sva *a, cl_int code) {
         if (*line) sva_log(a, SV_LOG_ERROR, line);
         if (!first && strstr(line, "error")) first = line;
     }
-    return sva_error(a, SV_ERR_BUILD, "clBuildProgram: OpenCL error %d: %.200s", (int)code,
+    return sva_error(a, SV_ERR_BUILD, "clBuildProgram: %s (%d): %.200s", sva_cl_name(code), (int)code,
                      first ? first : log);
 }
 
@@ -177,11 +177,28 @@ static inline sv_status sva_cl_build(sva *a, const char *source) {
     return code == CL_SUCCESS ? SV_OK : sva_cl_tell_build(a, code);
 }
 
+/* What a method with kernels must have in its table. */
+static inline sv_status sva_cl_check_method(sva *a) {
+    const sva_method *m = a->method;
+    const char *missing = !m->deactivate ? "deactivate" : !m->begin ? "begin" : !m->output ? "output" : NULL;
+    if (m->own_bytes < sizeof(sva_cl))
+        return sva_error(a, SV_ERR_INTERNAL,
+                         "sva_cl_open: sva_method.own_bytes is %lu, expected at least sizeof(sva_cl), %lu",
+                         (unsigned long)m->own_bytes, (unsigned long)sizeof(sva_cl));
+    if (!missing) return SV_OK;
+    return sva_error(a, SV_ERR_INTERNAL, "sva_cl_open: sva_method.%s is NULL, expected %s", missing,
+                     !m->deactivate ? "sva_cl_close"
+                     : !m->begin    ? "sva_cl_begin"
+                                    : "sva_cl_output");
+}
+
 /* [control] The device, the program, its kernels by their names, and the helper's buffers. */
 static inline sv_status sva_cl_open(sva *a, const char *source, const char *const *kernels, uint32_t count) {
     sva_cl *cl = (sva_cl *)a->own;
     const size_t rays = sva_rays(a);
-    sv_status s = sva_cl_find_device(a);
+    sv_status s = sva_cl_check_method(a);
+    if (s != SV_OK) return s;
+    s = sva_cl_find_device(a);
     if (s == SV_OK) s = sva_cl_build(a, source);
     for (uint32_t i = 0; i < count && s == SV_OK; i++) s = sva_cl_kernel(a, kernels[i]);
     cl->settle = cl->kernel_count;
@@ -199,24 +216,6 @@ static inline sv_status sva_cl_open(sva *a, const char *source, const char *cons
 }
 
 /* -------------------------------------------------------------------------------------- frame path -- */
-
-/* SV_OK if `object` is a buffer of the device's context that holds `bytes` from `offset` on, else `status`.
- */
-static inline sv_status sva_cl_check_buffer(sva *a, const char *field, cl_mem object, uint64_t offset,
-                                            uint64_t bytes, sv_status status) {
-    cl_mem_object_type type = 0;
-    cl_context context = NULL;
-    size_t size = 0;
-    if (clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL) != CL_SUCCESS ||
-        type != CL_MEM_OBJECT_BUFFER ||
-        clGetMemObjectInfo(object, CL_MEM_CONTEXT, sizeof context, &context, NULL) != CL_SUCCESS ||
-        context != ((sva_cl *)a->own)->context ||
-        clGetMemObjectInfo(object, CL_MEM_SIZE, sizeof size, &size, NULL) != CL_SUCCESS)
-        return sva_blame(a, status, "%s is no buffer of this context", field);
-    if (offset <= size && bytes <= size - offset) return SV_OK;
-    return sva_blame(a, status, "%s: %llu bytes from %llu on lie outside of its %llu", field,
-                     (unsigned long long)bytes, (unsigned long long)offset, (unsigned long long)size);
-}
 
 static inline sv_status sva_cl_zero(sva *a, cl_mem buffer, size_t bytes) {
     const cl_uchar zero = 0;
@@ -243,9 +242,20 @@ static inline sv_status sva_cl_begin(sva *a) {
     if (a->frame.scanned)
         s = sva_cl_upload(a, cl->scanned, a->frame.scanned, bytes);
     else if (cl->scanned)
-        s = sva_cl_check_buffer(a, "begin: scanned_object", cl->scanned, cl->scanned_offset, bytes,
-                                SV_ERR_ARGUMENT);
+        s = sva_cl_check_object(a, "begin: scanned_object", cl->scanned, SV_CARRIER_BUFFER,
+                                cl->scanned_offset, bytes, SV_ERR_ARGUMENT);
     return s == SV_OK && rays > 0 ? sva_cl_zero(a, cl->rays, rays) : s;
+}
+
+/* SV_OK, or SV_ERR_OPENCL with the names of the call and the kernel. */
+static inline sv_status sva_cl_tell_kernel(sva *a, uint32_t kernel, cl_int code, const char *call) {
+    char name[100], what[160];
+    if (code == CL_SUCCESS) return SV_OK;
+    memset(name, 0, sizeof name);
+    (void)clGetKernelInfo(((sva_cl *)a->own)->kernels[kernel], CL_KERNEL_FUNCTION_NAME, sizeof name - 1, name,
+                          NULL);
+    (void)snprintf(what, sizeof what, "%s of kernel %s", call, name);
+    return sva_cl_check(a, code, what);
 }
 
 /* Sets arguments from number `at` on. */
@@ -253,17 +263,21 @@ static inline sv_status sva_cl_set(sva *a, uint32_t kernel, uint32_t at, const s
                                    uint32_t count) {
     sva_cl *cl = (sva_cl *)a->own;
     cl_int code = CL_SUCCESS;
-    for (uint32_t i = 0; i < count && code == CL_SUCCESS; i++)
+    for (uint32_t i = 0; i < count && code == CL_SUCCESS; i++) {
+        if (a->method->ray_bytes == 0 && args[i].size == sizeof cl->rays &&
+            memcmp(args[i].value, &cl->rays, sizeof cl->rays) == 0)
+            return sva_error(a, SV_ERR_INTERNAL, "a kernel takes sva_cl.rays, and sva_method.ray_bytes is 0");
         code = clSetKernelArg(cl->kernels[kernel], at + i, args[i].size, args[i].value);
-    return sva_cl_check(a, code, "clSetKernelArg");
+    }
+    return sva_cl_tell_kernel(a, kernel, code, "clSetKernelArg");
 }
 
 static inline sv_status sva_cl_enqueue(sva *a, uint32_t kernel) {
     sva_cl *cl = (sva_cl *)a->own;
     const size_t all[2] = {a->format.width, a->format.height};
-    return sva_cl_check(
-        a, clEnqueueNDRangeKernel(cl->queue, cl->kernels[kernel], 2, NULL, all, NULL, 0, NULL, NULL),
-        "clEnqueueNDRangeKernel");
+    const cl_int code =
+        clEnqueueNDRangeKernel(cl->queue, cl->kernels[kernel], 2, NULL, all, NULL, 0, NULL, NULL);
+    return sva_cl_tell_kernel(a, kernel, code, "clEnqueueNDRangeKernel");
 }
 
 /* [frame] Launches a kernel on every ray, with these arguments. */
@@ -285,9 +299,7 @@ static inline sv_status sva_cl_slab(sva *a, const sv_slab *slab, uint32_t kernel
                                 SVA_ARG(cl->scanned_offset),
                                 SVA_ARG(slab->first_slice),
                                 SVA_ARG(slab->slice_count)};
-    sv_status s = slab->memory ? sva_cl_upload(a, voxels, slab->memory, bytes)
-                               : sva_cl_check_buffer(a, "slab: object", voxels, slab->offset, slab->bytes,
-                                                     SV_ERR_SLAB_SHAPE);
+    sv_status s = slab->memory ? sva_cl_upload(a, voxels, slab->memory, bytes) : sva_cl_check_slab(a, slab);
     if (s == SV_OK) s = sva_cl_set(a, kernel, 0, first, 6);
     if (s == SV_OK) s = sva_cl_set(a, kernel, 6, args, count);
     return s == SV_OK ? sva_cl_enqueue(a, kernel) : s;
@@ -319,7 +331,8 @@ static inline sv_status sva_cl_output(sva *a, const sv_result *r) {
     cl_int code = CL_SUCCESS;
     sv_status s = SV_OK;
     if (r->depth_object)
-        s = sva_cl_check_buffer(a, "depth_object", r->depth_object, r->depth_offset, bytes, SV_ERR_ARGUMENT);
+        s = sva_cl_check_object(a, "depth_object", r->depth_object, SV_CARRIER_BUFFER, r->depth_offset, bytes,
+                                SV_ERR_ARGUMENT);
     if (s == SV_OK) s = sva_cl_settle(a);
     if (s != SV_OK) return s;
     if (r->depth)

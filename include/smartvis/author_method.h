@@ -50,7 +50,7 @@ typedef struct sva_method {
     const sv_descriptor *descriptor;
     const sva_param *params;
     uint32_t param_count;
-    size_t own_bytes; /* of the author's own struct: sva.own, all zero after create */
+    size_t own_bytes; /* of the author's own struct: sva.own, all zero after create; 0: sva.own is NULL */
     size_t ray_bytes; /* of what is kept for a ray: sva.rays, all zero at begin; 0: sva.rays is NULL */
 
     /* a->format is valid and within what the descriptor offers. If it fails, deactivate is called. */
@@ -80,6 +80,13 @@ typedef struct sva_method {
 
     /* Answers get_extension, from any thread. */
     const void *(*extension)(const sva *a, const char *id);
+
+    /* A frame under way ends without a map, by an error or another begin; or adjust failed. With an own queue
+     * it waits for commands that use the host's memory: after this the host may use it again. */
+    void (*abandon)(sva *a);
+
+    /* sv_param_info.depends_values where the table cannot know it, from any thread. */
+    uint64_t (*depends_values)(const sva_param *param);
 } sva_method;
 
 /* The descriptor of a plugin on the CPU without extensions; features: SV_FEATURE_*. */
@@ -107,7 +114,8 @@ struct sva {
     int32_t padding;  /* the voxel value that was not scanned, or SV_NO_PADDING */
     sv_frame frame;   /* since begin, its values left out; zeros for what an older host does not say */
     const sv_scanned *scanned; /* the ranges in host memory, or NULL */
-    const uint8_t **slice;     /* SV_CARRIER_HOST: voxel (0, 0) of every slice that has come, until end */
+    const uint8_t **slice;     /* SV_CARRIER_HOST without `output`: voxel (0, 0) of every slice that has come,
+                                * until end */
     float *depth;              /* without `output`: width * height */
     uint8_t *points;           /* the same: SV_POINT_* of every ray */
     sv_stats stats;            /* the same: of the last finish or adjust */
@@ -116,7 +124,7 @@ struct sva {
     double *fixed;             /* of activate */
     uint32_t next_slice;
     uint32_t state; /* SVA_INACTIVE .. SVA_FINISHED */
-    char reason[256];
+    char reason[512];
 };
 
 /* ----------------------------------------------------------------------------- what a method may call -- */
@@ -160,16 +168,43 @@ static inline size_t sva_byte(const sv_format *f, uint32_t x, uint32_t y, uint32
 
 /* Tells the host's log. Any thread. */
 static inline void sva_log(const sva *a, int32_t severity, const char *text) {
-    if (a->host->log) a->host->log(a->host, severity, text);
+    if (a->host && a->host->log) a->host->log(a->host, severity, text);
+}
+
+/* printf with a decimal point in the host's locale, too, which may have a comma: what a program reads must
+ * not depend on it. `text` must not have one between two digits by itself ("1,2"). */
+SVA_PRINTF(3, 0)
+static inline void sva_print(char *text, size_t bytes, const char *format, va_list args) {
+    char half[16];
+    (void)vsnprintf(text, bytes, format, args);
+    (void)snprintf(half, sizeof half, "%.1f", 0.5);
+    const size_t mark = strlen(half) - 2; /* of the locale's point, which may have more than one byte */
+    if (half[1] == '.' || bytes == 0) return;
+    for (char *at = text; *at; at++)
+        if (at[0] >= '0' && at[0] <= '9' && strncmp(at + 1, half + 1, mark) == 0 && at[1 + mark] >= '0' &&
+            at[1 + mark] <= '9') {
+            at[1] = '.';
+            memmove(at + 2, at + 1 + mark, strlen(at + 1 + mark) + 1);
+        }
 }
 
 /* Keeps the reason for last_error, tells the log, and returns `status`. */
 SVA_PRINTF(3, 0)
 static inline sv_status sva_report(sva *a, int32_t severity, const char *format, va_list args,
                                    sv_status status) {
-    (void)vsnprintf(a->reason, sizeof a->reason, format, args);
+    sva_print(a->reason, sizeof a->reason, format, args);
     sva_log(a, severity, a->reason);
     return status;
+}
+
+/* Tells the host's log one line, without an error. */
+SVA_PRINTF(3, 4) static inline void sva_say(const sva *a, int32_t severity, const char *format, ...) {
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    sva_print(text, sizeof text, format, args);
+    va_end(args);
+    sva_log(a, severity, text);
 }
 
 /* A method's error with its reason: `return sva_error(a, SV_ERR_NO_MEMORY, "...", ...)`. */

@@ -26,15 +26,15 @@ static sv_status select_device(sv_diag *diag, cl_device_id *device) {
     cl_int code = CL_SUCCESS;
     *device = NULL;
     if (wish && *wish && strcmp(wish, "cpu") != 0 && strcmp(wish, "gpu") != 0)
-        return sv_fail(diag, SV_ERR_NO_DEVICE, "SMARTVIS_DEVICE is '%s', expected 'cpu' or 'gpu'", wish);
+        return sva_error(diag, SV_ERR_NO_DEVICE, "SMARTVIS_DEVICE is '%s', expected 'cpu' or 'gpu'", wish);
     if (!wish || strcmp(wish, "cpu") != 0) *device = first_device(CL_DEVICE_TYPE_GPU, &code);
     if (!*device && (!wish || strcmp(wish, "gpu") != 0)) *device = first_device(CL_DEVICE_TYPE_ALL, &code);
     if (*device) return SV_OK;
-    return sv_fail(
+    return sva_error(
         diag, SV_ERR_NO_DEVICE,
         "no OpenCL device: %s (%d). Install a driver (Debian: pocl-opencl-icd); with PoCL, check that its "
         "cache directory (POCL_CACHE_DIR, else ~/.cache/pocl) can be written",
-        sv_clx_name(code), code);
+        sva_cl_name(code), code);
 }
 
 /* Asks for the facts that choose the kernels. */
@@ -58,17 +58,17 @@ static sv_status query_device(sv_diag *diag, sv_device *d) {
     d->has_doubles = doubles != 0;
     d->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     d->shares_memory = d->is_cpu && unified;
-    return sv_clx_check(diag, code, "clGetDeviceInfo");
+    return sva_cl_check(diag, code, "clGetDeviceInfo");
 }
 
 static sv_status check_host_queue(sv_diag *diag, const sv_device *d) {
     cl_command_queue_properties properties = 0;
     const cl_int code =
         clGetCommandQueueInfo(d->queue, CL_QUEUE_PROPERTIES, sizeof properties, &properties, NULL);
-    const sv_status status = sv_clx_check(diag, code, "clGetCommandQueueInfo");
+    const sv_status status = sva_cl_check(diag, code, "clGetCommandQueueInfo");
     if (status == SV_OK && (properties & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE))
-        return sv_blame_host(diag, SV_ERR_FORMAT,
-                             "activate: the queue is out-of-order, expected an in-order queue");
+        return sva_blame(diag, SV_ERR_FORMAT,
+                         "activate: the queue is out-of-order, expected an in-order queue");
     return status;
 }
 
@@ -84,10 +84,10 @@ sv_status sv_device_open(sv_diag *diag, cl_context context, cl_device_id device,
     if (status != SV_OK) return status;
     cl_int code = CL_SUCCESS;
     out->context = clCreateContext(NULL, 1, &out->device, NULL, NULL, &code);
-    status = sv_clx_check(diag, code, "clCreateContext");
+    status = sva_cl_check(diag, code, "clCreateContext");
     if (status == SV_OK) {
         out->queue = clCreateCommandQueue(out->context, out->device, CL_QUEUE_PROFILING_ENABLE, &code);
-        status = sv_clx_check(diag, code, "clCreateCommandQueue");
+        status = sva_cl_check(diag, code, "clCreateCommandQueue");
     }
     if (status == SV_OK) status = query_device(diag, out);
     if (status != SV_OK) sv_device_close(out);

@@ -21,14 +21,14 @@ static sv_status report_build(sv_diag *diag, const sv_device *device, cl_program
         const char *line = end;
         end += strcspn(end, "\n");
         if (*end) *end++ = '\0';
-        if (*line) sv_log(diag, SV_LOG_ERROR, line);
+        if (*line) sva_log(diag, SV_LOG_ERROR, line);
         if (!first && strstr(line, "error")) first = line;
     }
     const sv_status status =
-        sv_fail(diag, SV_ERR_BUILD, "the kernels do not build: %s (%d): %.300s", sv_clx_name(code), code,
-                first ? first
-                : log ? log
-                      : "");
+        sva_error(diag, SV_ERR_BUILD, "the kernels do not build: %s (%d): %.300s", sva_cl_name(code), code,
+                  first ? first
+                  : log ? log
+                        : "");
     free(log);
     return status;
 }
@@ -38,12 +38,12 @@ static sv_status divides_exactly(sv_diag *diag, const sv_device *device, bool *e
     const cl_int code =
         clGetDeviceInfo(device->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL);
     *exactly = (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
-    return sv_clx_check(diag, code, "clGetDeviceInfo(CL_DEVICE_SINGLE_FP_CONFIG)");
+    return sva_cl_check(diag, code, "clGetDeviceInfo(CL_DEVICE_SINGLE_FP_CONFIG)");
 }
 
 #define SV_KERNEL_CREATE(name)                                                                               \
     p->name = clCreateKernel(program, #name, &code);                                                         \
-    if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateKernel(" #name ")");
+    if (code != CL_SUCCESS) return sva_cl_check(diag, code, "clCreateKernel(" #name ")");
 
 static sv_status create_profile_kernels(sv_diag *diag, cl_program program, sv_program *p) {
     cl_int code = CL_SUCCESS;
@@ -105,7 +105,7 @@ static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned 
     const char *text = (const char *)source;
     cl_int code = CL_SUCCESS;
     *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
-    if (code != CL_SUCCESS) return sv_clx_check(diag, code, "clCreateProgramWithSource");
+    if (code != CL_SUCCESS) return sva_cl_check(diag, code, "clCreateProgramWithSource");
     const double begun = sv_seconds();
     code = clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
     note_build(device->builds, sv_seconds() - begun);
@@ -165,7 +165,7 @@ sv_status sv_kernel_set_build(sv_diag *diag, const sv_device *device, const unsi
     for (uint32_t i = 0; status == SV_OK && names[i]; i++) {
         cl_int code = CL_SUCCESS;
         out->kernel[i] = clCreateKernel(program, names[i], &code);
-        status = sv_clx_check(diag, code, names[i]);
+        status = sva_cl_check(diag, code, names[i]);
     }
     if (program && !kept) (void)clReleaseProgram(program);
     if (status != SV_OK) sv_kernel_set_release(out);

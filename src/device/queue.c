@@ -13,8 +13,8 @@ static cl_mem create(const sv_queue *queue, cl_mem_flags flags, size_t bytes, vo
     cl_int code = CL_SUCCESS;
     const cl_mem buffer = clCreateBuffer(queue->device->context, flags, bytes, memory, &code);
     if (code == CL_SUCCESS) return buffer;
-    *status = sv_fail(queue->diag, SV_ERR_OPENCL, "clCreateBuffer of %zu bytes: %s (%d)", bytes,
-                      sv_clx_name(code), code);
+    *status = sva_error(queue->diag, SV_ERR_OPENCL, "clCreateBuffer of %zu bytes: %s (%d)", bytes,
+                        sva_cl_name(code), code);
     return NULL;
 }
 
@@ -25,7 +25,7 @@ cl_mem sv_buffer_make(const sv_queue *queue, size_t bytes, sv_status *status) {
     const cl_mem buffer = create(queue, CL_MEM_READ_WRITE, bytes, NULL, status);
     if (!buffer) return NULL;
     const cl_uchar zero = 0;
-    *status = sv_clx_check(
+    *status = sva_cl_check(
         queue->diag, clEnqueueFillBuffer(queue->device->queue, buffer, &zero, 1, 0, bytes, 0, NULL, NULL),
         "clEnqueueFillBuffer");
     return buffer;
@@ -38,7 +38,7 @@ sv_status sv_buffers_make(const sv_queue *queue, const size_t *bytes, size_t cou
 }
 
 sv_status sv_buffer_read(const sv_queue *queue, cl_mem buffer, size_t bytes, void *out, const char *what) {
-    return sv_clx_check(
+    return sva_cl_check(
         queue->diag, clEnqueueReadBuffer(queue->device->queue, buffer, CL_TRUE, 0, bytes, out, 0, NULL, NULL),
         what);
 }
@@ -85,8 +85,8 @@ static sv_status launch(sv_launch *l, cl_uint dimensions, const size_t *global, 
         l->code = clEnqueueNDRangeKernel(q->device->queue, l->kernel, dimensions, NULL, global, local, 0,
                                          NULL, sv_timing_slot(q->timing, stage));
     if (l->code == CL_SUCCESS) return SV_OK;
-    return sv_fail(q->diag, SV_ERR_OPENCL, "kernel %s, argument or launch: %s (%d)", l->name,
-                   sv_clx_name(l->code), l->code);
+    return sva_error(q->diag, SV_ERR_OPENCL, "kernel %s, argument or launch: %s (%d)", l->name,
+                     sva_cl_name(l->code), l->code);
 }
 
 sv_status sv_launch_items(sv_launch *l, size_t items, sv_stage stage) {

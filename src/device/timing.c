@@ -17,7 +17,7 @@ size_t sv_timing_bytes(uint32_t capacity) {
 sv_status sv_timing_create(sv_timing *timing, sv_diag *diag, uint32_t capacity) {
     *timing = (sv_timing){.capacity = capacity, .commands = calloc(capacity, sizeof *timing->commands)};
     return timing->commands ? SV_OK
-                            : sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for %u timing events", capacity);
+                            : sva_error(diag, SV_ERR_NO_MEMORY, "no memory for %u timing events", capacity);
 }
 
 void sv_timing_reset(sv_timing *timing) {
@@ -42,7 +42,7 @@ cl_event *sv_timing_slot(sv_timing *timing, sv_stage stage) {
 
 sv_status sv_timing_read(const sv_timing *timing, sv_diag *diag, sv_stage_times *out) {
     if (!timing->complete || timing->count == 0)
-        return sv_blame_host(diag, SV_ERR_STATE, "stage_times: no timed frame; enable timing before begin");
+        return sva_blame(diag, SV_ERR_STATE, "stage_times: no timed frame; enable timing before begin");
     double ms[SV_STAGE_COUNT] = {0};
     for (uint32_t i = 0; i < timing->count; i++) {
         cl_ulong start = 0, end = 0;
@@ -50,7 +50,7 @@ sv_status sv_timing_read(const sv_timing *timing, sv_diag *diag, sv_stage_times 
         cl_int code = clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL);
         if (code == CL_SUCCESS)
             code = clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL);
-        if (code != CL_SUCCESS) return sv_clx_check(diag, code, "stage_times: clGetEventProfilingInfo");
+        if (code != CL_SUCCESS) return sva_cl_check(diag, code, "stage_times: clGetEventProfilingInfo");
         ms[timing->commands[i].stage] += (double)(end - start) * 1e-6;
     }
     out->transfer_ms = ms[SV_STAGE_TRANSFER];

@@ -3,57 +3,41 @@
 
 #include "frame/selftest.h"
 
-#include <stdio.h>
-
-sv_instance *sv_instance_enter(const sv_plugin *plugin) {
-    sv_instance *in = plugin->plugin_data;
-    in->diag.last_error[0] = '\0';
-    return in;
-}
-
 /* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
 enum { FETCH_AHEAD_BYTES = 16 << 20 };
 
-/* Unknown spacing: cubes, and the longest side as long as the header says (SV_ASSUMED_EXTENT_MM). */
-static void find_spacing(const sv_format *f, float spacing[3]) {
-    const uint32_t side = f->width > f->height ? f->width : f->height;
-    const float assumed = SV_ASSUMED_EXTENT_MM / (float)(side > f->slices ? side : f->slices);
-    for (int axis = 0; axis < 3; axis++)
-        spacing[axis] = f->spacing_mm[axis] > 0.0f ? f->spacing_mm[axis] : assumed;
-}
-
 static sv_config config_of(const sv_format *f, const sv_values *values) {
-    sv_config c = {.width = f->width,
-                   .height = f->height,
-                   .slices = f->slices,
-                   .max_slab_slices = f->max_slab_slices,
-                   .tiles_x = f->tiles_x,
-                   .tile_w = f->tile_w,
-                   .tile_h = f->tile_h,
-                   .row_pitch = f->carrier == SV_CARRIER_IMAGE ? f->tiles_x * f->tile_w : f->row_pitch,
-                   .carrier = f->carrier,
-                   .padding = f->padding_value,
-                   .ranged = (f->flags & SV_FORMAT_SCANNED) != 0,
-                   .substeps = (uint32_t)values->of[SV_PARAM_SUBSTEPS],
-                   .strategy = (uint32_t)values->of[SV_PARAM_STRATEGY],
-                   .method = (uint32_t)values->of[SV_PARAM_METHOD],
-                   .prefilter = (uint32_t)values->of[SV_PARAM_PREFILTER],
-                   .float32 = values->of[SV_PARAM_PRECISION] == SV_PRECISION_FLOAT32,
-                   .half_sums = values->of[SV_PARAM_PRECISION] == SV_PRECISION_INT16 &&
-                                values->of[SV_PARAM_METHOD] == SV_METHOD_MEAN,
-                   .merge_grid = (uint32_t)values->of[SV_PARAM_MERGE_GRID],
-                   .spline_grid = (uint32_t)values->of[SV_PARAM_SPLINE_GRID],
-                   .reduction = (uint32_t)values->of[SV_PARAM_REDUCTION],
-                   .host_memory = f->host_memory,
-                   .host_memory_bytes = f->host_memory_bytes};
-    find_spacing(f, c.spacing);
-    return c;
+    return (sv_config){.width = f->width,
+                       .height = f->height,
+                       .slices = f->slices,
+                       .max_slab_slices = f->max_slab_slices,
+                       .tiles_x = f->tiles_x,
+                       .tile_w = f->tile_w,
+                       .tile_h = f->tile_h,
+                       .row_pitch = f->carrier == SV_CARRIER_IMAGE ? f->tiles_x * f->tile_w : f->row_pitch,
+                       .carrier = f->carrier,
+                       .padding = f->padding_value,
+                       .spacing = {f->spacing_mm[0], f->spacing_mm[1], f->spacing_mm[2]},
+                       .ranged = (f->flags & SV_FORMAT_SCANNED) != 0,
+                       .substeps = (uint32_t)values->of[SV_PARAM_SUBSTEPS],
+                       .strategy = (uint32_t)values->of[SV_PARAM_STRATEGY],
+                       .method = (uint32_t)values->of[SV_PARAM_METHOD],
+                       .prefilter = (uint32_t)values->of[SV_PARAM_PREFILTER],
+                       .float32 = values->of[SV_PARAM_PRECISION] == SV_PRECISION_FLOAT32,
+                       .half_sums = values->of[SV_PARAM_PRECISION] == SV_PRECISION_INT16 &&
+                                    values->of[SV_PARAM_METHOD] == SV_METHOD_MEAN,
+                       .merge_grid = (uint32_t)values->of[SV_PARAM_MERGE_GRID],
+                       .spline_grid = (uint32_t)values->of[SV_PARAM_SPLINE_GRID],
+                       .reduction = (uint32_t)values->of[SV_PARAM_REDUCTION],
+                       .host_memory = f->host_memory,
+                       .host_memory_bytes = f->host_memory_bytes};
 }
 
 /* Builds the kernel sets for vectors of `strip` rays and lets the device prove itself. What the method does
  * not launch is not compiled: a method that takes no points needs no ray profiles, no sums and no test of
  * them. */
-static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32_t strip) {
+static sv_status build_and_test(sv_instance *in, const sv_config *config, const sv_values *activated,
+                                uint32_t strip) {
     sv_structure structure = {.substeps = config->substeps,
                               .strip = strip,
                               .padded = config->padding >= 0,
@@ -64,14 +48,14 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32
                                   strip > 16 && (uint64_t)config->width * config->height * config->slices >
                                                     FETCH_AHEAD_BYTES};
     const bool needs_wide = sv_chain_needs_wide(config);
-    sv_status status = sv_program_build(&in->diag, &in->device, &structure, &in->narrow);
+    sv_status status = sv_program_build(in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {
         structure.wide_sums = true;
-        status = sv_program_build(&in->diag, &in->device, &structure, &in->wide);
+        status = sv_program_build(in->diag, &in->device, &structure, &in->wide);
     }
     if (status == SV_OK && structure.surveyed)
-        status = sv_selftest(&in->diag, &in->device, &in->narrow, needs_wide ? &in->wide : NULL, config,
-                             &in->activated);
+        status =
+            sv_selftest(in->diag, &in->device, &in->narrow, needs_wide ? &in->wide : NULL, config, activated);
     if (status != SV_OK) {
         sv_program_release(&in->narrow);
         sv_program_release(&in->wide);
@@ -81,43 +65,38 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, uint32
 
 /* The widest vectors first: they need more than OpenCL C promises, so a failure only costs speed. A work item
  * a ray has none: its programs are the same for all widths. */
-static sv_status build_kernels(sv_instance *in, const sv_config *config) {
+static sv_status build_kernels(sv_instance *in, const sv_config *config, const sv_values *activated) {
     const bool strips =
         sv_chain_is_surveyed(config) && in->device.is_cpu && config->strategy != SV_STRATEGY_RAYS;
     const uint32_t widest = !strips || config->width < 32 ? 16 : config->width < 64 ? 32 : 64;
     if (widest > 16) {
-        if (build_and_test(in, config, widest) == SV_OK) return SV_OK;
-        char text[96];
-        (void)snprintf(text, sizeof text, "no vectors of %u rays on this device; going on with 16", widest);
-        sv_log(&in->diag, SV_LOG_INFO, text);
-        in->diag.last_error[0] = '\0'; /* nothing has failed yet */
+        if (build_and_test(in, config, activated, widest) == SV_OK) return SV_OK;
+        sva_say(in->diag, SV_LOG_INFO, "no vectors of %u rays on this device; going on with 16", widest);
+        in->diag->reason[0] = '\0'; /* nothing has failed yet */
     }
-    return build_and_test(in, config, 16);
+    return build_and_test(in, config, activated, 16);
 }
 
 /* For who waits: a driver that keeps what it compiled needs a hundredth of the time the next time. */
 static void tell_times(const sv_instance *in, double seconds) {
-    char text[160];
-    (void)snprintf(
-        text, sizeof text,
-        "activate: %.2f s; of it %.2f s for building %u programs, the rest for the first run of their "
-        "kernels",
-        seconds, in->builds.seconds, in->builds.compiled);
-    sv_log(&in->diag, SV_LOG_INFO, text);
+    sva_say(in->diag, SV_LOG_INFO,
+            "activate: %.2f s; of it %.2f s for building %u programs, the rest for the first run of their "
+            "kernels",
+            seconds, in->builds.seconds, in->builds.compiled);
 }
 
 /* Kernels, self-tests and buffers, on an open device. */
 static sv_status prepare(sv_instance *in, const sv_config *config, const sv_values *values) {
     const sv_program *const wide = sv_chain_needs_wide(config) ? &in->wide : NULL;
-    sv_status status = sv_pipeline_check_memory(&in->diag, &in->device, config);
-    if (status == SV_OK) status = build_kernels(in, config);
+    sv_status status = sv_pipeline_check_memory(in->diag, &in->device, config);
+    if (status == SV_OK) status = build_kernels(in, config, values);
     if (status == SV_OK)
-        status = sv_selftest_method(&in->diag, &in->device, &in->narrow, wide, config, values);
+        status = sv_selftest_method(in->diag, &in->device, &in->narrow, wide, config, values);
     if (status == SV_OK)
         status =
-            sv_pipeline_create(&in->pipeline, &in->diag, &in->device, &in->narrow, wide, &in->timing, config);
+            sv_pipeline_create(&in->pipeline, in->diag, &in->device, &in->narrow, wide, &in->timing, config);
     if (status == SV_OK) status = sv_pipeline_warm_up(&in->pipeline, values);
-    return status == SV_OK ? sv_clx_check(&in->diag, clFinish(in->device.queue), "activate: clFinish")
+    return status == SV_OK ? sva_cl_check(in->diag, clFinish(in->device.queue), "activate: clFinish")
                            : status;
 }
 
@@ -152,12 +131,11 @@ sv_status sv_instance_needs(sv_diag *diag, const sv_device *device, const sv_for
 
 sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const sv_values *values) {
     const double begun = sv_seconds();
-    in->activated = in->frame = *values;
     sv_config config = config_of(format, values);
     uint32_t commands = 0;
-    sv_status status = sv_device_open(&in->diag, format->context, format->device, format->queue, &in->device);
-    if (status == SV_OK) status = max_commands(&in->diag, &in->device, &config, values, &commands);
-    if (status == SV_OK) status = sv_timing_create(&in->timing, &in->diag, commands);
+    sv_status status = sv_device_open(in->diag, format->context, format->device, format->queue, &in->device);
+    if (status == SV_OK) status = max_commands(in->diag, &in->device, &config, values, &commands);
+    if (status == SV_OK) status = sv_timing_create(&in->timing, in->diag, commands);
     in->device.builds = &in->builds;
     if (status == SV_OK) {
         config.strategy = sv_pipeline_strategy(&in->device, &config); /* the self-tests run what frames run */
@@ -166,10 +144,6 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const s
     if (status == SV_OK) tell_times(in, sv_seconds() - begun);
     sv_builds_release(&in->builds);
     in->device.builds = NULL;
-    if (status != SV_OK)
-        sv_instance_deactivate(in);
-    else
-        in->state = SV_STATE_IDLE;
     return status;
 }
 
@@ -181,5 +155,4 @@ void sv_instance_deactivate(sv_instance *in) {
     sv_program_release(&in->wide);
     sv_timing_destroy(&in->timing);
     sv_device_close(&in->device);
-    in->state = SV_STATE_INACTIVE;
 }

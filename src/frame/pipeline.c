@@ -140,22 +140,20 @@ sv_status sv_pipeline_check_memory(sv_diag *diag, const sv_device *device, const
     const sv_status status = pretend(&p, diag, device, config, &tally);
     if (status != SV_OK) return status;
     if (tally.bytes > device->memory)
-        return sv_fail(diag, SV_ERR_FORMAT,
-                       "activate: a format of %u x %u x %u needs %llu bytes on the device, which has %llu",
-                       config->width, config->height, config->slices, (unsigned long long)tally.bytes,
-                       (unsigned long long)device->memory);
+        return sva_error(diag, SV_ERR_FORMAT,
+                         "activate: a format of %u x %u x %u needs %llu bytes on the device, which has %llu",
+                         config->width, config->height, config->slices, (unsigned long long)tally.bytes,
+                         (unsigned long long)device->memory);
     if (tally.largest > device->largest_buffer)
-        return sv_fail(
+        return sva_error(
             diag, SV_ERR_FORMAT,
             "activate: a format of %u x %u x %u needs a buffer of %llu bytes, the device allows %llu",
             config->width, config->height, config->slices, (unsigned long long)tally.largest,
             (unsigned long long)device->largest_buffer);
-    char text[160];
-    (void)snprintf(text, sizeof text,
-                   "activate: %u x %u x %u needs %llu bytes on the device, the largest buffer %llu",
-                   config->width, config->height, config->slices, (unsigned long long)tally.bytes,
-                   (unsigned long long)tally.largest);
-    sv_log(diag, SV_LOG_INFO, text);
+    sva_say(diag, SV_LOG_INFO,
+            "activate: %u x %u x %u needs %llu bytes on the device, the largest buffer %llu", config->width,
+            config->height, config->slices, (unsigned long long)tally.bytes,
+            (unsigned long long)tally.largest);
     return SV_OK;
 }
 
@@ -227,7 +225,7 @@ sv_status sv_pipeline_scanned(sv_pipeline *p, const sv_scanned *ranges, cl_mem o
                 ? CL_SUCCESS
                 : clEnqueueWriteBuffer(p->queue.device->queue, p->buffers.ranges, CL_FALSE, 0, bytes, ranges,
                                        0, NULL, sv_timing_slot(p->queue.timing, SV_STAGE_TRANSFER));
-        const sv_status status = sv_clx_check(p->queue.diag, code, "begin: clEnqueueWriteBuffer of scanned");
+        const sv_status status = sva_cl_check(p->queue.diag, code, "begin: clEnqueueWriteBuffer of scanned");
         if (status != SV_OK) return status;
     }
     const cl_ulong first = offset / sizeof(cl_ushort);
@@ -263,14 +261,14 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer,
     const cl_command_queue queue = p->queue.device->queue;
     if (c->carrier == SV_CARRIER_HOST) {
         const size_t bytes = sv_pipeline_slab_bytes(c, slab->slice_count);
-        return sv_clx_check(
+        return sva_cl_check(
             p->queue.diag,
             clEnqueueWriteBuffer(queue, *buffer, CL_FALSE, *offset, bytes, slab->memory, 0, NULL, slot),
             "slab: clEnqueueWriteBuffer");
     }
     const size_t origin[3] = {0, 0, 0};
     const size_t region[3] = {(size_t)c->tiles_x * c->tile_w, slab_rows(c, slab->slice_count), 1};
-    return sv_clx_check(
+    return sva_cl_check(
         p->queue.diag,
         clEnqueueCopyImageToBuffer(queue, slab->object, *buffer, origin, region, *offset, 0, NULL, slot),
         "slab: clEnqueueCopyImageToBuffer");

@@ -85,13 +85,13 @@ static sv_status read_rows(sv_pipeline *p, cl_mem from, size_t from_pitch, void 
         whole ? clEnqueueReadBuffer(queue, from, CL_FALSE, 0, row_bytes * p->config.height, to, 0, NULL, slot)
               : clEnqueueReadBufferRect(queue, from, CL_FALSE, origin, origin, region, from_pitch, 0,
                                         to_pitch, 0, to, 0, NULL, slot);
-    return sv_clx_check(p->queue.diag, code, what);
+    return sva_cl_check(p->queue.diag, code, what);
 }
 
 /* Enqueues a read of words of the record into what follows the `size` of a struct of the ABI. */
 static sv_status read_record(sv_pipeline *p, uint32_t word, void *out, size_t bytes, const char *what) {
     if (sv_counted(&p->queue)) return SV_OK;
-    return sv_clx_check(p->queue.diag,
+    return sva_cl_check(p->queue.diag,
                         clEnqueueReadBuffer(p->queue.device->queue, p->buffers.record, CL_FALSE,
                                             word * sizeof(cl_uint), bytes - sizeof(uint32_t),
                                             (char *)out + sizeof(uint32_t), 0, NULL,
@@ -146,6 +146,6 @@ sv_status sv_pipeline_confidence(sv_pipeline *p, float *map, cl_mem object, uint
     const size_t bytes = (size_t)p->config.width * p->config.height * sizeof *map;
     const cl_int code = map ? clEnqueueReadBuffer(queue, from, CL_FALSE, 0, bytes, map, 0, NULL, NULL)
                             : clEnqueueCopyBuffer(queue, from, object, 0, offset, bytes, 0, NULL, NULL);
-    if (code != CL_SUCCESS) return sv_clx_check(p->queue.diag, code, "confidence: enqueue");
-    return wait ? sv_clx_check(p->queue.diag, clFinish(queue), "confidence: clFinish") : SV_OK;
+    if (code != CL_SUCCESS) return sva_cl_check(p->queue.diag, code, "confidence: enqueue");
+    return wait ? sva_cl_check(p->queue.diag, clFinish(queue), "confidence: clFinish") : SV_OK;
 }

@@ -107,13 +107,13 @@ static sv_status compute_on_device(sv_pipeline *p, bench *b, const sv_values *v,
         status = sv_pipeline_slab(p, &slab);
         /* The slab's memory is used again at once. This is activation: waiting is allowed. */
         if (status == SV_OK)
-            status = sv_clx_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
+            status = sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     }
     if (status == SV_OK) status = sv_pipeline_end(p, (float)Q);
     const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
     if (status == SV_OK) status = sv_pipeline_output(p, (float)Q, &result);
     const sv_status waited =
-        sv_clx_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
+        sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     return status == SV_OK ? waited : status;
 }
 
@@ -121,12 +121,12 @@ static sv_status compare(sv_diag *diag, const bench *b) {
     for (int i = 0; i < PIXELS; i++) {
         const double error = fabs((double)b->depth[i] - (double)b->expected_depth[i]);
         if (b->status[i] != b->expected_status[i])
-            return sv_fail(diag, SV_ERR_SELF_TEST, "self-test: status of ray (%d, %d) is %d, expected %d",
-                           i % WIDTH, i / WIDTH, b->status[i], b->expected_status[i]);
+            return sva_error(diag, SV_ERR_SELF_TEST, "self-test: status of ray (%d, %d) is %d, expected %d",
+                             i % WIDTH, i / WIDTH, b->status[i], b->expected_status[i]);
         if (!(error <= BOUND))
-            return sv_fail(diag, SV_ERR_SELF_TEST,
-                           "self-test: depth of ray (%d, %d) is %g slices, expected %g", i % WIDTH, i / WIDTH,
-                           (double)b->depth[i], (double)b->expected_depth[i]);
+            return sva_error(diag, SV_ERR_SELF_TEST,
+                             "self-test: depth of ray (%d, %d) is %g slices, expected %g", i % WIDTH,
+                             i / WIDTH, (double)b->depth[i], (double)b->expected_depth[i]);
     }
     return SV_OK;
 }
@@ -149,7 +149,7 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *
                        .half_sums = config->half_sums,
                        .reduction = 1};
     bench *b = calloc(1, sizeof *b);
-    if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
+    if (!b) return sva_error(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
     sv_values values = *defaults;
     values.of[SV_PARAM_KERNEL] = 11.0;  /* small enough that the small map needs several passes */
     values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
@@ -160,7 +160,7 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *
     for (int set = 0; status == SV_OK && set < (wide ? 2 : 1); set++) {
         status = compute_on_device(&pipeline, b, &values, set == 1);
         if (status == SV_OK && !compute_expected(b, &values, &small, set == 1))
-            status = sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
+            status = sva_error(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
         if (status == SV_OK) status = compare(diag, b);
     }
     sv_pipeline_destroy(&pipeline);

@@ -97,14 +97,14 @@ static sv_status compute(sv_pipeline *p, bench *b, const sv_values *values) {
     const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
     if (status == SV_OK) status = sv_pipeline_output(p, Q, &result);
     const sv_status waited =
-        sv_clx_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
+        sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     return status == SV_OK ? waited : status;
 }
 
 static sv_status compare(sv_diag *diag, const bench *b, double bound) {
     for (int i = 0; i < PIXELS; i++)
         if (b->status[i] != b->expected_status[i] || !(fabs((double)b->depth[i] - b->expected[i]) <= bound))
-            return sv_fail(
+            return sva_error(
                 diag, SV_ERR_SELF_TEST,
                 "self-test of the method: ray (%d, %d) has status %d and depth %g slices, expected %d "
                 "and %g",
@@ -141,7 +141,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_pr
     values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
     values.of[SV_PARAM_PREFILTER_KERNEL] = PREFILTER_KERNEL;
     bench *b = calloc(1, sizeof *b);
-    if (!b) return sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
+    if (!b) return sva_error(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
     fill(b, method->definition->takes_volume);
     sv_pipeline pipeline;
     sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, wide, NULL, &small);
@@ -149,7 +149,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_pr
     double bound = 0.0;
     if (status == SV_OK &&
         !expect(b, method->definition, &small, sv_chain_map(&pipeline.chain)->doubles, &values, &bound))
-        status = sv_fail(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
+        status = sva_error(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
     if (status == SV_OK) status = compare(diag, b, bound);
     sv_pipeline_destroy(&pipeline);
     free(b);

@@ -87,7 +87,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
 static sv_status write_buffer(const sv_map *m, cl_mem buffer, const void *data, size_t bytes) {
     const cl_int code =
         clEnqueueWriteBuffer(m->queue->device->queue, buffer, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
-    return sv_clx_check(m->queue->diag, code, "method wall: clEnqueueWriteBuffer");
+    return sva_cl_check(m->queue->diag, code, "method wall: clEnqueueWriteBuffer");
 }
 
 static sv_status prepare(const sv_map *m, sv_method_state *s) {
@@ -97,7 +97,7 @@ static sv_status prepare(const sv_map *m, sv_method_state *s) {
     const size_t bytes = count * sizeof(sv_wall_span) + vectors_of(&l) * sizeof(sv_wall_taps);
     sv_wall_span *const spans = calloc(1, bytes);
     if (!spans)
-        return sv_fail(m->queue->diag, SV_ERR_NO_MEMORY, "method wall: no memory for %u spans", l.columns);
+        return sva_error(m->queue->diag, SV_ERR_NO_MEMORY, "method wall: no memory for %u spans", l.columns);
     for (uint32_t x = 0; x < l.columns; x++) spans[x] = sv_wall_span_of(x, l.width, l.columns);
     for (uint32_t y = 0; y < l.rows; y++) spans[l.columns + y] = sv_wall_span_of(y, l.height, l.rows);
     sv_wall_taps *const taps = (sv_wall_taps *)(spans + count);

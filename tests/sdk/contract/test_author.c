@@ -203,7 +203,7 @@ static void bad_formats(void **state) {
     BAD_FORMAT(tile_h, 16385, SV_ERR_FORMAT, "tile_h is 16385");
     BAD_FORMAT(row_pitch, 3 * WIDTH - 1, SV_ERR_FORMAT, "row_pitch is 26");
     BAD_FORMAT(voxel_type, SV_VOXEL_U16, SV_ERR_FORMAT, "voxel_type is 2");
-    BAD_FORMAT(voxel_type, 7, SV_ERR_ARGUMENT, "voxel_type is 7");
+    BAD_FORMAT(voxel_type, 7, SV_ERR_FORMAT, "voxel_type is 7");
     BAD_FORMAT(carrier, SV_CARRIER_IMAGE, SV_ERR_FORMAT, "carrier is 3");
     BAD_FORMAT(carrier, 4, SV_ERR_ARGUMENT, "carrier is 4");
     BAD_FORMAT(padding_value, 256, SV_ERR_FORMAT, "padding_value is 256");
@@ -348,10 +348,11 @@ static void bad_objects(void **state) {
     assert_int_equal(code, CL_SUCCESS);
     sv_slab one = {.size = sizeof one, .slice_count = SLAB, .object = buffer, .offset = 640, .bytes = 361};
     assert_int_equal(begin(s), SV_OK);
-    refused(s, s->p->slab(s->p, &one), SV_ERR_SLAB_SHAPE, "361 bytes from 640 on lie outside of its 1000");
+    refused(s, s->p->slab(s->p, &one), SV_ERR_SLAB_SHAPE,
+            "object has 1000 bytes, and 361 are needed from 640 on");
     one.object = rig_foreign_buffer(&s->r, 1000);
     assert_int_equal(begin(s), SV_OK);
-    refused(s, s->p->slab(s->p, &one), SV_ERR_SLAB_SHAPE, "object is no buffer of this context");
+    refused(s, s->p->slab(s->p, &one), SV_ERR_SLAB_SHAPE, "object is of another context");
     assert_int_equal(clReleaseMemObject(one.object), CL_SUCCESS);
     one.object = buffer;
     sv_result result = {.size = sizeof result, .depth_object = buffer, .depth_offset = 1000 - RAYS * 4 + 4};
@@ -363,7 +364,8 @@ static void bad_objects(void **state) {
             assert_int_equal(s->p->slab(s->p, &one), SV_OK);
         }
         if (n == 0)
-            refused(s, s->p->end(s->p, &result), SV_ERR_ARGUMENT, "depth_object: 252 bytes from 752 on");
+            refused(s, s->p->end(s->p, &result), SV_ERR_ARGUMENT,
+                    "depth_object has 1000 bytes, and 252 are needed from 752 on");
         else
             assert_int_equal(s->p->end(s->p, &result), SV_OK);
         result.depth_offset -= 4;

@@ -330,7 +330,7 @@ static void wrong_tables(void **state) {
     method = own_method;
     method.finish = NULL;
     assert_int_equal(sva_create(&method, &host, "test.own", &p), SV_ERR_INTERNAL);
-    assert_string_equal(last_log, "finish is NULL");
+    assert_string_equal(last_log, "sva_method.finish is NULL");
     assert_null(p);
 }
 

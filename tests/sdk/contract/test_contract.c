@@ -112,7 +112,7 @@ static void a_refused_call_changes_nothing(void **state) {
     fixture *f = *state;
     assert_int_equal(fixture_begin(f), SV_OK);
     for (uint32_t n = 0; n < FIXTURE_SLABS; n++) {
-        fixture_refused(f, make_call(f, ACTIVATE), SV_ERR_STATE, "activate: already active");
+        fixture_refused(f, make_call(f, ACTIVATE), SV_ERR_STATE, "activate: the instance is active");
         assert_int_equal(make_call(f, ADJUST), SV_ERR_STATE);
         assert_int_equal(fixture_slab(f, n), SV_OK);
     }
@@ -133,7 +133,7 @@ static void deactivate_when_inactive(void **state) {
     const unsigned lines = f->r.log_lines;
     f->r.plugin->deactivate(f->r.plugin);
     assert_int_equal(f->r.log_lines, lines + 1);
-    fixture_refused(f, SV_ERR_STATE, SV_ERR_STATE, "deactivate: not active");
+    fixture_refused(f, SV_ERR_STATE, SV_ERR_STATE, "deactivate: the instance is inactive");
     assert_int_equal(fixture_activate(f), SV_OK);
     fixture_frame_is_good(f);
     f->r.plugin->deactivate(f->r.plugin);

@@ -28,24 +28,25 @@ static void format_fields(void **state) {
     } table[] = {
         {FIELD(width), 0, SV_ERR_FORMAT, "width is 0, expected 1 to 8192"},
         {FIELD(width), 8193, SV_ERR_FORMAT, "width is 8193"},
-        {FIELD(width), 22, SV_ERR_FORMAT, "tile_w is 21, expected at least the width, 22"},
+        {FIELD(width), 22, SV_ERR_FORMAT, "tile_w is 21, expected 22 to 16384"},
         {FIELD(width), UINT32_MAX, SV_ERR_FORMAT, "width is 4294967295"},
         {FIELD(height), 0, SV_ERR_FORMAT, "height is 0"},
         {FIELD(height), 8193, SV_ERR_FORMAT, "height is 8193"},
-        {FIELD(height), 19, SV_ERR_FORMAT, "tile_h is 18, expected at least the height, 19"},
+        {FIELD(height), 19, SV_ERR_FORMAT, "tile_h is 18, expected 19 to 16384"},
         {FIELD(slices), 0, SV_ERR_FORMAT, "slices is 0"},
         {FIELD(slices), 8193, SV_ERR_FORMAT, "slices is 8193"},
         {FIELD(slices), 5, SV_ERR_FORMAT, "max_slab_slices is 6, expected 1 to 5"},
         {FIELD(max_slab_slices), 0, SV_ERR_FORMAT, "max_slab_slices is 0"},
         {FIELD(max_slab_slices), 15, SV_ERR_FORMAT, "max_slab_slices is 15, expected 1 to 14"},
         {FIELD(voxel_type), 0, SV_ERR_FORMAT, "voxel_type is 0"},
+        {FIELD(voxel_type), 77, SV_ERR_FORMAT, "voxel_type is 77"},
         {FIELD(voxel_type), SV_VOXEL_U16, SV_ERR_FORMAT, "voxel_type is 2"},
         {FIELD(carrier), 0, SV_ERR_ARGUMENT, "carrier is 0"},
         {FIELD(carrier), 4, SV_ERR_ARGUMENT, "carrier is 4"},
         {FIELD(padding_value), (uint32_t)-2, SV_ERR_FORMAT, "padding_value is -2"},
         {FIELD(padding_value), 256, SV_ERR_FORMAT, "padding_value is 256"},
         {FIELD(tiles_x), 0, SV_ERR_FORMAT, "tiles_x is 0"},
-        {FIELD(tiles_x), 5, SV_ERR_FORMAT, "row_pitch is 84 bytes, a row of 5 tiles of 21 needs 105"},
+        {FIELD(tiles_x), 5, SV_ERR_FORMAT, "row_pitch is 84, expected 105 to "},
         {FIELD(tiles_x), 0x80000000u, SV_ERR_FORMAT, "tiles_x is 2147483648"},
         {FIELD(tile_w), 20, SV_ERR_FORMAT, "tile_w is 20"},
         {FIELD(tile_w), 0x40000000u, SV_ERR_FORMAT, "tile_w is 1073741824"}, /* 4 are 0 in 32 bits */
@@ -88,9 +89,9 @@ static void opencl_objects(void **state) {
     fixture_refused(f, p->activate(p, &format), SV_ERR_ARGUMENT, "1 of context, device and queue given");
     format.device = NULL;
     format.carrier = SV_CARRIER_BUFFER;
-    fixture_refused(f, p->activate(p, &format), SV_ERR_FORMAT, "carrier 2 needs the host's context");
+    fixture_refused(f, p->activate(p, &format), SV_ERR_FORMAT, "carrier is 2; see");
     format.carrier = SV_CARRIER_IMAGE;
-    fixture_refused(f, p->activate(p, &format), SV_ERR_FORMAT, "carrier 3 needs the host's context");
+    fixture_refused(f, p->activate(p, &format), SV_ERR_FORMAT, "carrier is 3; see");
 
     format = f->textures->format;
     format.host_memory_bytes = 100;

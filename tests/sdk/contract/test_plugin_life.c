@@ -111,7 +111,7 @@ static void destroyed_while_active(void **state) {
     const sv_slab slab = stage_slab(f->textures, 0);
     assert_int_equal(other->slab(other, &slab), SV_OK);
     other->destroy(other);
-    assert_string_equal(f->r.last_log, "destroy: still active, deactivating");
+    assert_string_equal(f->r.last_log, "destroy: the instance is active, and slabs are awaited");
     assert_int_equal(f->r.last_severity, SV_LOG_HOST_MISBEHAVING);
     fixture_frame_is_good(f);
 }

@@ -39,7 +39,8 @@ static void slab_order(void **state) {
         assert_int_equal(fixture_begin(f), SV_OK);
         for (uint32_t i = 0; i < n; i++) assert_int_equal(fixture_slab(f, i), SV_OK);
         fixture_refused(f, fixture_end(f), SV_ERR_SLAB_MISSING, missing[n]);
-        fixture_refused(f, fixture_end(f), SV_ERR_STATE, "end: no frame was begun");
+        fixture_refused(f, fixture_end(f), SV_ERR_STATE,
+                        "end: the instance is active, and no frame is under way");
     }
     fixture_frame_is_good(f);
 }
@@ -48,17 +49,17 @@ static void slab_shape(void **state) {
     fixture *f = *state;
     sv_slab slab = stage_slab(f->textures, 0);
     slab.slice_count = 0;
-    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "slice_count is 0, expected 1 to max_slab_slices, 6");
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "slice_count is 0, expected 1 to 6");
     slab.slice_count = 7;
     refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "slice_count is 7");
     slab.slice_count = UINT32_MAX;
     refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "slice_count is 4294967295");
     slab = stage_slab(f->textures, 2);
     slab.slice_count = 3;
-    refused_slab(f, 2, slab, SV_ERR_SLAB_SHAPE, "slices 12 to 14, the volume has 14");
+    refused_slab(f, 2, slab, SV_ERR_SLAB_SHAPE, "slice_count is 3, expected 1 to 2");
     slab = stage_slab(f->textures, 0);
     slab.memory = NULL;
-    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "memory is NULL, the format's carrier is 1");
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "memory is NULL and object is NULL, the carrier is 1");
     slab = stage_slab(f->textures, 0);
     slab.bytes = 0;
     refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "bytes is 0, 6 slices need ");
@@ -135,14 +136,17 @@ static void wrong_buffers(void **state) {
     sv_slab slab = stage_slab(f->textures, 0);
     slab.object = NULL;
     slab.memory = f->textures->memory[0]; /* the wrong carrier */
-    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "object is NULL, the format's carrier is 2");
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "memory is given and object is NULL, the carrier is 2");
+    slab = stage_slab(f->textures, 0);
+    slab.memory = f->textures->memory[0]; /* and the right one */
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "memory is given and object is given, the carrier is 2");
     slab = stage_slab(f->textures, 0);
     slab.offset = 1; /* bytes + 1 reaches as far as the buffer does; 64 was the rig's */
     slab.bytes += 64;
-    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "offset 1 and bytes ");
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "are needed from 1 on");
     slab = stage_slab(f->textures, 0);
     slab.offset = UINT64_MAX - 10;
-    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "offset 18446744073709551605 and bytes ");
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "from 18446744073709551605 on");
     cl_mem image = new_image(f, CL_R, CL_UNORM_INT8, 84, 36);
     slab = stage_slab(f->textures, 0);
     slab.object = image;
@@ -179,7 +183,7 @@ static void wrong_images(void **state) {
     }
     sv_slab slab = stage_slab(f->textures, 0);
     slab.object = NULL;
-    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "object is NULL, the format's carrier is 3");
+    refused_slab(f, 0, slab, SV_ERR_SLAB_SHAPE, "memory is NULL and object is NULL, the carrier is 3");
     fixture_frame_is_good(f);
 }
 
@@ -198,10 +202,10 @@ static void wrong_results(void **state) {
     cl_mem buffer = new_buffer(f, FIXTURE_RAYS * 4 + 3), image = new_image(f, CL_R, CL_FLOAT, 21, 18);
     sv_result r = fixture_result(f);
     r.depth = NULL;
-    refused_result(f, r, SV_ERR_ARGUMENT, "expected exactly one of depth and depth_object, got neither");
+    refused_result(f, r, SV_ERR_ARGUMENT, "neither of depth and depth_object given");
     r = fixture_result(f);
     r.depth_object = buffer;
-    refused_result(f, r, SV_ERR_ARGUMENT, "got both");
+    refused_result(f, r, SV_ERR_ARGUMENT, "both of depth and depth_object given");
     static const uint32_t pitches[] = {1, 83, 80, 85, 86, UINT32_MAX};
     for (size_t i = 0; i < sizeof pitches / sizeof *pitches; i++) {
         char text[64];
@@ -214,11 +218,11 @@ static void wrong_results(void **state) {
     r.depth = NULL;
     r.depth_object = buffer;
     r.depth_offset = 2;
-    refused_result(f, r, SV_ERR_ARGUMENT, "depth_offset is 2");
+    refused_result(f, r, SV_ERR_ARGUMENT, "at depth_offset 2: expected a multiple of 4");
     r.depth_offset = 4; /* one pixel too far */
-    refused_result(f, r, SV_ERR_ARGUMENT, "depth_offset is 4, the map needs 1512 of the buffer's 1515 bytes");
+    refused_result(f, r, SV_ERR_ARGUMENT, "depth_object has 1515 bytes, and 1512 are needed from 4 on");
     r.depth_offset = UINT64_MAX - 3;
-    refused_result(f, r, SV_ERR_ARGUMENT, "depth_offset is 18446744073709551612");
+    refused_result(f, r, SV_ERR_ARGUMENT, "needed from 18446744073709551612 on");
     r.depth_offset = 0;
     r.depth_object = image;
     refused_result(f, r, SV_ERR_ARGUMENT, "depth_object is no buffer");
@@ -238,7 +242,7 @@ static void wrong_results(void **state) {
     r = fixture_result(f);
     r.depth = NULL;
     r.depth_object = (cl_mem)f; /* never looked at */
-    refused_result(f, r, SV_ERR_ARGUMENT, "depth_object needs the host's context");
+    refused_result(f, r, SV_ERR_ARGUMENT, "and the host's queue");
     fixture_frame_is_good(f);
 }
 

@@ -27,13 +27,16 @@ static void create(void **state) {
     const sv_entry *entry = f->r.entry;
     heap_spy_watch(entry);
     const sv_plugin *out = f->r.plugin;
-    heap_spy_fail(1);
-    assert_int_equal(entry->create(&f->r.host, entry->descriptor(0)->id, &out), SV_ERR_NO_MEMORY);
-    assert_true(heap_spy_failed());
-    assert_null(out);
-    assert_non_null(strstr(f->r.last_log, "create: no memory for an instance"));
+    for (uint32_t n = 1; n <= 3; n++) { /* the instance, its values, what is its own */
+        heap_spy_fail(n);
+        assert_int_equal(entry->create(&f->r.host, entry->descriptor(0)->id, &out), SV_ERR_NO_MEMORY);
+        assert_true(heap_spy_failed());
+        assert_null(out);
+        assert_int_equal(heap_spy_live(), 0);
+        assert_non_null(strstr(f->r.last_log, "create: no memory for an instance"));
+    }
     assert_int_equal(entry->create(&f->r.host, entry->descriptor(0)->id, &out), SV_OK);
-    assert_int_equal(heap_spy_live(), 1);
+    assert_int_equal(heap_spy_live(), 3);
     out->destroy(out);
     assert_int_equal(heap_spy_live(), 0);
 }

@@ -71,13 +71,13 @@ static sv_status activate(const sv_plugin *plugin, const sv_format *format) {
 }
 
 static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
-    sva_cl *cl = (sva_cl *)wrong_self(plugin)->own;
-    const cl_context own = cl->context;
+    sva *a = wrong_self(plugin);
+    const cl_context own = a->format.context;
     if (WRONG_IS(takes_foreign_objects) && frame && frame->scanned_object)
-        (void)clGetMemObjectInfo(frame->scanned_object, CL_MEM_CONTEXT, sizeof own, (void *)&cl->context,
-                                 NULL);
+        (void)clGetMemObjectInfo(frame->scanned_object, CL_MEM_CONTEXT, sizeof own,
+                                 (void *)&a->format.context, NULL);
     const sv_status status = sva_begin(plugin, frame);
-    cl->context = own;
+    a->format.context = own;
     if (status == SV_OK && WRONG_IS(frame_builds)) build_a_program(wrong_self(plugin));
     return status;
 }

@@ -2,9 +2,11 @@
 /* What the host does: the shadow of an instance, held to the header by the checks that authors of plugins
  * use. */
 #define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
 #include "layer/layer.h"
 
-#include <CL/cl.h>
+#include "smartvis/author_objects.h"
 
 /* What an error means: the host's rule that was broken, and the plugin's rule that makes it an error. */
 typedef struct {
@@ -68,7 +70,7 @@ static sv_status check(ly_instance *i, const rc_call *c) {
     if (!is_allowed(a, c->kind)) return sva_wrong_state(a, call);
     switch (c->kind) {
     case RC_ACTIVATE:
-        due = sva_check_format(a, c->format);
+        due = sva_check_format(a, c->format, 0);
         for (uint32_t n = 0; n < a->method->param_count; n++)
             a->values[n] = a->method->params[n].default_value;
         return due ? due
@@ -86,10 +88,7 @@ static sv_status check(ly_instance *i, const rc_call *c) {
         due = sva_take_values(a, call, c->values, c->value_count, SV_PARAM_ADJUST);
         return due ? due : sva_check_result(a, call, c->result);
     case RC_END:
-        if (a->next_slice < a->format.slices)
-            return sva_blame(a, SV_ERR_SLAB_MISSING, "end: %u of %u slices came", (unsigned)a->next_slice,
-                             (unsigned)a->format.slices);
-        return sva_check_result(a, call, c->result);
+        return sva_check_end(a, c->result);
     default:
         return SV_OK;
     }
@@ -97,66 +96,32 @@ static sv_status check(ly_instance *i, const rc_call *c) {
 
 /* ---- OpenCL objects */
 /* The error that is due for an object of the host's. */
-static sv_status check_object(ly_instance *i, const char *field, cl_mem object, uint32_t carrier,
-                              uint64_t offset, uint64_t bytes, sv_status due) {
-    cl_mem_object_type type = 0,
-                       wanted = carrier == SV_CARRIER_IMAGE ? CL_MEM_OBJECT_IMAGE2D : CL_MEM_OBJECT_BUFFER;
-    cl_context context = NULL;
-    size_t size = 0;
-    cl_int code = clGetMemObjectInfo(object, CL_MEM_TYPE, sizeof type, &type, NULL);
-    if (code == CL_SUCCESS) code = clGetMemObjectInfo(object, CL_MEM_CONTEXT, sizeof context, &context, NULL);
-    if (code == CL_SUCCESS) code = clGetMemObjectInfo(object, CL_MEM_SIZE, sizeof size, &size, NULL);
-    sva *a = &i->shadow;
-    if (code != CL_SUCCESS) return sva_blame(a, due, "%s is no OpenCL object: error %d", field, (int)code);
-    if (context != a->format.context) i->owed = RULE_foreign_objects;
-    if (context != a->format.context)
-        return sva_blame(a, due, "%s is of another context than the format's", field);
-    if (type != wanted)
-        return sva_blame(a, due, "%s has the type 0x%x, expected 0x%x", field, (unsigned)type,
-                         (unsigned)wanted);
-    if (carrier != SV_CARRIER_IMAGE && (offset > size || bytes > size - offset))
-        return sva_blame(a, due, "%s has %zu bytes, and %llu are needed from %llu on", field, size,
-                         (unsigned long long)bytes, (unsigned long long)offset);
-    return SV_OK;
+static sv_status check_object(ly_instance *i, const char *field, cl_mem object, uint64_t offset,
+                              uint64_t bytes) {
+    return sva_cl_check_object(&i->shadow, field, object, SV_CARRIER_BUFFER, offset, bytes, SV_ERR_ARGUMENT);
 }
 
-/* Images have no bytes: sides and format say what fits. */
-static sv_status check_image(ly_instance *i, const sv_slab *slab) {
-    sva *a = &i->shadow;
-    const sv_format *f = &a->format;
-    size_t width = 0, height = 0;
-    cl_image_format format = {0, 0};
-    const size_t rows = (size_t)((slab->slice_count - 1) / f->tiles_x) * f->tile_h + f->height;
-    (void)clGetImageInfo(slab->object, CL_IMAGE_WIDTH, sizeof width, &width, NULL);
-    (void)clGetImageInfo(slab->object, CL_IMAGE_HEIGHT, sizeof height, &height, NULL);
-    (void)clGetImageInfo(slab->object, CL_IMAGE_FORMAT, sizeof format, &format, NULL);
-    if (width < (size_t)f->tiles_x * f->tile_w || height < rows)
-        return sva_blame(a, SV_ERR_SLAB_SHAPE, "slab: object is an image of %zu x %zu, expected %zu x %zu",
-                         width, height, (size_t)f->tiles_x * f->tile_w, rows);
-    if (format.image_channel_order == CL_R && (format.image_channel_data_type == CL_UNORM_INT8 ||
-                                               format.image_channel_data_type == CL_UNSIGNED_INT8))
-        return SV_OK;
-    return sva_blame(a, SV_ERR_SLAB_SHAPE,
-                     "slab: object is an image of the format 0x%x, 0x%x, expected CL_R of 8 bits",
-                     (unsigned)format.image_channel_order, (unsigned)format.image_channel_data_type);
+static bool is_foreign(const ly_instance *i, cl_mem object) {
+    cl_context context = i->shadow.format.context;
+    (void)clGetMemObjectInfo(object, CL_MEM_CONTEXT, sizeof context, &context, NULL);
+    return context != i->shadow.format.context;
 }
 
 static sv_status check_objects(ly_instance *i, const rc_call *c) {
     const sv_format *f = &i->shadow.format;
     const uint64_t rays = (uint64_t)f->width * f->height;
-    if (c->kind == RC_BEGIN && c->frame->scanned_object)
-        return check_object(i, "begin: scanned_object", c->frame->scanned_object, SV_CARRIER_BUFFER,
-                            c->frame->scanned_offset, rays * sizeof(sv_scanned), SV_ERR_ARGUMENT);
-    if (c->kind == RC_SLAB && c->slab->object) {
-        const sv_status due = check_object(i, "slab: object", c->slab->object, f->carrier, c->slab->offset,
-                                           c->slab->bytes, SV_ERR_SLAB_SHAPE);
-        return due == SV_OK && f->carrier == SV_CARRIER_IMAGE ? check_image(i, c->slab) : due;
-    }
-    if (c->result && c->result->depth_object)
-        return check_object(i, c->kind == RC_END ? "end: depth_object" : "adjust: depth_object",
-                            c->result->depth_object, SV_CARRIER_BUFFER, c->result->depth_offset,
-                            rays * sizeof(float), SV_ERR_ARGUMENT);
-    return SV_OK;
+    const cl_mem object = c->kind == RC_BEGIN  ? c->frame->scanned_object
+                          : c->kind == RC_SLAB ? c->slab->object
+                          : c->result          ? c->result->depth_object
+                                               : NULL;
+    if (!object) return SV_OK;
+    if (is_foreign(i, object)) i->owed = RULE_foreign_objects;
+    if (c->kind == RC_SLAB) return sva_cl_check_slab(&i->shadow, c->slab);
+    if (c->kind == RC_BEGIN)
+        return check_object(i, "begin: scanned_object", object, c->frame->scanned_offset,
+                            rays * sizeof(sv_scanned));
+    return check_object(i, c->kind == RC_END ? "end: depth_object" : "adjust: depth_object", object,
+                        c->result->depth_offset, rays * sizeof(float));
 }
 
 /* ---- what no plugin has to refuse */
@@ -171,12 +136,8 @@ static void judge_reserved(const rule_sink *to, const char *call, uint32_t reser
 static void judge_slab(ly_instance *i, const sv_slab *slab) {
     const rule_sink *to = &i->called;
     const sv_format *f = &i->shadow.format;
-    const char *start = f->host_memory, *memory = slab->memory;
     judge_reserved(to, "slab", slab->reserved, NULL, 0);
-    RULE_EXPECT(to, RULE_host_slabs,
-                !start || !memory ||
-                    (memory >= start && memory <= start + f->host_memory_bytes &&
-                     slab->bytes <= (uint64_t)(start + f->host_memory_bytes - memory)),
+    RULE_EXPECT(to, RULE_host_slabs, sva_in_host_memory(f, slab),
                 "slab: memory lies outside of the format's host_memory, which has %llu bytes",
                 (unsigned long long)f->host_memory_bytes);
 }
