@@ -51,9 +51,9 @@ static bool hs_loop_check_options(const hs_loop_options *o, hs_error *err) {
     if (o->own_queue && o->carrier != SV_CARRIER_HOST)
         return hs_fail(err, HS_ERR_USAGE, "own queue: needs carrier host, got %s",
                        o->carrier == SV_CARRIER_BUFFER ? "buffer" : "image");
-    if (!isfinite(o->yaw) || !isfinite(o->pitch) || !isfinite(o->orbit))
-        return hs_fail(err, HS_ERR_USAGE, "camera: yaw %g, pitch %g, orbit %g must be finite", o->yaw,
-                       o->pitch, o->orbit);
+    if (!isfinite(o->yaw) || !isfinite(o->pitch) || !isfinite(o->roll) || !isfinite(o->orbit))
+        return hs_fail(err, HS_ERR_USAGE, "camera: yaw %g, pitch %g, roll %g, orbit %g must be finite",
+                       o->yaw, o->pitch, o->roll, o->orbit);
     if (!(o->zoom >= 0.0 && o->zoom <= HS_LOOP_MAX_ZOOM))
         return hs_fail(err, HS_ERR_USAGE, "camera: zoom %g, expected 0 .. %g", o->zoom, HS_LOOP_MAX_ZOOM);
     return true;
@@ -64,9 +64,14 @@ static bool hs_loop_check_options(const hs_loop_options *o, hs_error *err) {
 #define MAX_LOWRES_AXIS          8192.0 /* sv_format allows no more */
 #define MAX_AUTO_LOWRES          1200.0 /* pixels: a third of the diagonal of 2048^3 cubic voxels */
 
+/* Frame `index`'s camera, with the smallest box. */
+static void look(const hs_loop_options *o, const hs_volume *volume, uint32_t index, hs_camera *camera) {
+    hs_camera_look_from(camera, volume, o->from, hs_loop_yaw(o, index), o->pitch);
+    hs_camera_roll(camera, volume, o->roll);
+}
+
 void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera) {
-    hs_camera_look_from(camera, hs_source_shape(loop->source), loop->options.from,
-                        hs_loop_yaw(&loop->options, index), loop->options.pitch);
+    look(&loop->options, hs_source_shape(loop->source), index, camera);
     hs_camera_merge_box(camera, &loop->box);
 }
 
@@ -86,11 +91,11 @@ void hs_loop_window(const hs_loop *loop, uint32_t index, hs_camera *window, floa
 /* One box that holds the volume in every view of the run. */
 static hs_camera find_box(const hs_volume *volume, const hs_loop_options *o) {
     hs_camera box;
-    hs_camera_look_from(&box, volume, o->from, hs_loop_yaw(o, 0), o->pitch);
+    look(o, volume, 0, &box);
     if (o->turnable) hs_camera_hold_all(&box, volume);
     for (uint32_t i = 1; i < o->frames && o->orbit != 0; i++) {
         hs_camera view;
-        hs_camera_look_from(&view, volume, o->from, hs_loop_yaw(o, i), o->pitch);
+        look(o, volume, i, &view);
         hs_camera_merge_box(&box, &view);
     }
     return box;
@@ -273,9 +278,10 @@ void hs_loop_want(hs_loop *loop, bool status, bool confidence) {
     hs_clipper_want(loop->clipper, status, confidence);
 }
 
-void hs_loop_look(hs_loop *loop, double yaw, double pitch, double zoom) {
+void hs_loop_look(hs_loop *loop, double yaw, double pitch, double roll, double zoom) {
     hs_loop_options *o = &loop->options;
-    loop->turned |= yaw != o->yaw || pitch != o->pitch;
+    loop->turned |= yaw != o->yaw || pitch != o->pitch || roll != o->roll;
+    o->roll = roll;
     o->yaw = yaw;
     o->pitch = pitch;
     o->zoom = zoom;

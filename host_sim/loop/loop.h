@@ -57,7 +57,7 @@ bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *
  * the loop can only be destroyed.
  */
 void hs_loop_want(hs_loop *loop, bool status, bool confidence);
-void hs_loop_look(hs_loop *loop, double yaw, double pitch, double zoom);
+void hs_loop_look(hs_loop *loop, double yaw, double pitch, double roll, double zoom);
 bool hs_loop_bring(hs_loop *loop, uint32_t index, hs_error *err);
 bool hs_loop_ask(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err);
 bool hs_loop_draw(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_frame *frame, hs_error *err);

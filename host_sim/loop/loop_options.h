@@ -26,6 +26,7 @@ typedef struct {
     hs_from from;      /* where the camera is while yaw and pitch are 0; HS_ERR_INPUT if the volume must say
                           how it lies and does not */
     double yaw, pitch; /* degrees */
+    double roll;       /* the same, of the picture about its middle, clockwise */
     /* Degrees of yaw from the first to the last frame, half to either side of `yaw`; 0: still. */
     double orbit;
     /* One box for every direction, a cube with the volume's diagonal: the camera may then be turned between

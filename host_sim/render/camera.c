@@ -78,20 +78,35 @@ const char *hs_from_name(hs_from from) {
     return names[from];
 }
 
+/* The smallest box that holds the volume from here. */
+static void fit_box(hs_camera *camera, const hs_volume *volume) {
+    double size[3], box[3] = {0.0, 0.0, 0.0};
+    volume_size_mm(volume, size);
+    for (int axis = 0; axis < 3; axis++)
+        for (int k = 0; k < 3; k++) box[axis] += fabs(camera->rotation[k * 3 + axis]) * size[k];
+    camera->extent = fmax(box[0], box[1]);
+    camera->depth_extent = box[2];
+}
+
 void hs_camera_look_from(hs_camera *camera, const hs_volume *volume, hs_from from, double yaw_deg,
                          double pitch_deg) {
-    double start[9], rotation[9], size[3], box[3] = {0.0, 0.0, 0.0};
+    double start[9], rotation[9];
     if (from == HS_FROM_PROBE)
         probe_axes(volume, start);
     else
         patient_axes(volume, from, start);
     rotation_of(yaw_deg, pitch_deg, rotation);
     multiply(start, rotation, camera->rotation);
-    volume_size_mm(volume, size);
-    for (int axis = 0; axis < 3; axis++)
-        for (int k = 0; k < 3; k++) box[axis] += fabs(camera->rotation[k * 3 + axis]) * size[k];
-    camera->extent = fmax(box[0], box[1]);
-    camera->depth_extent = box[2];
+    fit_box(camera, volume);
+}
+
+void hs_camera_roll(hs_camera *camera, const hs_volume *volume, double roll_deg) {
+    double c, s, axes[9];
+    if (roll_deg == 0.0) return;
+    turn(roll_deg, &c, &s);
+    memcpy(axes, camera->rotation, sizeof axes);
+    multiply(axes, (const double[9]){c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0}, camera->rotation);
+    fit_box(camera, volume);
 }
 
 void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg) {

@@ -47,6 +47,10 @@ const char *hs_from_name(hs_from from);
 void hs_camera_look_from(hs_camera *camera, const hs_volume *volume, hs_from from, double yaw_deg,
                          double pitch_deg);
 
+/* Rolls the camera about the direction in which it looks: > 0 turns its picture clockwise, degrees; 0 changes
+ * nothing. The box is the smallest from there. */
+void hs_camera_roll(hs_camera *camera, const hs_volume *volume, double roll_deg);
+
 /* Looks from the probe, as hs_camera_look_from does from other places. */
 void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg);
 

@@ -89,6 +89,7 @@ static void test_box_holds_the_volume(void **state) {
         hs_camera camera;
         hs_camera_look(&camera, &volume, test_uniform(&random, -180.0, 180.0),
                        test_uniform(&random, -90.0, 90.0));
+        hs_camera_roll(&camera, &volume, round % 2 ? test_uniform(&random, -180.0, 180.0) : 0.0);
         double reach[3] = {0.0, 0.0, 0.0};
         for (int corner = 0; corner < 8; corner++) {
             for (int axis = 0; axis < 3; axis++) {
@@ -118,6 +119,23 @@ static void test_centre_stays(void **state) {
     }
 }
 
+/* A quarter roll clockwise: what was to the right is below, and the camera looks where it looked. */
+static void test_roll_is_clockwise(void **state) {
+    (void)state;
+    const hs_volume volume = shape(10, 20, 60, 1.0, 1.0, 1.0);
+    hs_camera straight, rolled;
+    hs_camera_look(&straight, &volume, 30.0, -20.0);
+    rolled = straight;
+    hs_camera_roll(&rolled, &volume, 90.0);
+    for (int k = 0; k < 3; k++) {
+        const double *was = straight.rotation + (size_t)k * 3, *is = rolled.rotation + (size_t)k * 3;
+        assert_near(is[1], was[0], 1e-15);
+        assert_near(is[0], -was[1], 1e-15);
+        assert_near(is[2], was[2], 0.0);
+    }
+    assert_near(rolled.extent, straight.extent, 1e-12);
+}
+
 static void test_merged_box_holds_both(void **state) {
     (void)state;
     const hs_volume volume = shape(10, 20, 60, 1.0, 1.0, 1.0);
@@ -137,6 +155,7 @@ int main(void) {
         cmocka_unit_test(test_quarter_turns_are_exact),
         cmocka_unit_test(test_box_holds_the_volume),
         cmocka_unit_test(test_centre_stays),
+        cmocka_unit_test(test_roll_is_clockwise),
         cmocka_unit_test(test_merged_box_holds_both),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

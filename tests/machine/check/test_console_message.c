@@ -16,7 +16,7 @@ static const char *const parts[][2] = {
     {"type", "\"state\""},
     {"serial", "7"},
     {"source", "{\"scene\":\"D01\",\"size\":96,\"volumes\":3,\"from\":\"probe\"}"},
-    {"camera", "{\"yaw\":-20.5,\"pitch\":10,\"zoom\":2}"},
+    {"camera", "{\"yaw\":-20.5,\"pitch\":10,\"roll\":-3,\"zoom\":2}"},
     {"views", "[\"result\",\"across\"]"},
     {"picture", "512"},
     {"draft", "128"},
@@ -69,7 +69,7 @@ static void a_state_arrives_as_it_was_meant(void **unused) {
     assert_string_equal(s->source.scene, "D01");
     assert_int_equal(s->source.size, 96);
     assert_int_equal(s->source.volumes, 3);
-    assert_true(s->yaw == -20.5 && s->pitch == 10 && s->zoom == 2);
+    assert_true(s->yaw == -20.5 && s->pitch == 10 && s->roll == -3 && s->zoom == 2);
     assert_int_equal(s->views, 1u << HS_CONSOLE_RESULT | 1u << HS_CONSOLE_ACROSS);
     assert_int_equal(s->picture, 512);
     assert_int_equal(s->draft, 128);
@@ -185,10 +185,10 @@ static void a_wrong_field_is_named(void **unused) {
         {"source", "{\"folder\":64,\"path\":\"a\",\"from\":\"probe\"}", "folder: 64 is outside"},
         {"source", "{\"folder\":0,\"path\":\"a\",\"scene\":\"D01\",\"from\":\"probe\"}",
          "source: 'folder' is no field"},
-        {"camera", "{\"yaw\":400,\"pitch\":0,\"zoom\":1}", "yaw: 400 is outside"},
-        {"camera", "{\"yaw\":0,\"pitch\":\"0\",\"zoom\":1}", "pitch: expected a number"},
-        {"camera", "{\"yaw\":0,\"pitch\":0,\"zoom\":0}", "zoom: 0 is outside"},
-        {"camera", "{\"yaw\":0,\"pitch\":0}", "camera: 'zoom' is missing"},
+        {"camera", "{\"yaw\":400,\"pitch\":0,\"roll\":0,\"zoom\":1}", "yaw: 400 is outside"},
+        {"camera", "{\"yaw\":0,\"pitch\":\"0\",\"roll\":0,\"zoom\":1}", "pitch: expected a number"},
+        {"camera", "{\"yaw\":0,\"pitch\":0,\"roll\":0,\"zoom\":0}", "zoom: 0 is outside"},
+        {"camera", "{\"yaw\":0,\"pitch\":0,\"roll\":0}", "camera: 'zoom' is missing"},
         {"views", "[\"result\",\"result \"]", "views: 'result ' is none"},
         {"views", "[1]", "views: '(no text)' is none"},
         {"views", "{}", "views: expected at most"},

@@ -60,14 +60,16 @@ static size_t count_differences(const uint8_t *a, const uint8_t *b, size_t bytes
 static void a_turned_loop_is_one_that_looks_from_there(void **state) {
     const fixture *f = *state;
     const sv_param_value depth = {.id = DEPTH, .value = 12};
-    const double views[][3] = {{0, 0, 1}, {30, -20, 1}, {-90, 0, 1.5}, {170, 60, 0.5}, {0, 0, 1}};
+    const double views[][4] = {
+        {0, 0, 0, 1}, {30, -20, 0, 1}, {-90, 0, 35, 1.5}, {170, 60, 0, 0.5}, {0, 0, 0, 1}};
     hs_loop_options o = turnable(&depth, 1, 0, 0, 1);
     const size_t bytes = (size_t)o.dvr.width * o.dvr.height * 4;
     hs_loop *loop = make_loop(f, &o);
     uint8_t *first = NULL;
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
-        const hs_loop_options there = turnable(&depth, 1, views[i][0], views[i][1], views[i][2]);
-        hs_loop_look(loop, views[i][0], views[i][1], views[i][2]);
+        hs_loop_options there = turnable(&depth, 1, views[i][0], views[i][1], views[i][3]);
+        there.roll = views[i][2];
+        hs_loop_look(loop, views[i][0], views[i][1], views[i][2], views[i][3]);
         uint8_t *turned = result_of(loop, &o.dvr, &f->cl), *made = result_of_new(f, &there);
         assert_int_equal(count_differences(turned, made, bytes), 0);
         if (i > 0 && i < 4) assert_true(count_differences(turned, first, bytes) > bytes / 20);
@@ -141,7 +143,7 @@ static void one_box_serves_every_direction(void **state) {
     for (int yaw = -180; yaw <= 180; yaw += 45) {
         hs_camera box, exact, window;
         float share;
-        hs_loop_look(loop, yaw, yaw / 2.0, 2);
+        hs_loop_look(loop, yaw, yaw / 2.0, 0, 2);
         hs_loop_camera(loop, 0, &box);
         hs_camera_look(&exact, v, yaw, yaw / 2.0);
         assert_true(fabs(box.extent - diagonal) < 1e-9 && fabs(box.depth_extent - diagonal) < 1e-9);

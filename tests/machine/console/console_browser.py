@@ -125,6 +125,27 @@ def the_surface_position(b, work):
     holds(b.run("return valueOf(0, lanes[0].params.find(p => p.primary))") > by_keys, "] does not turn it up")
 
 
+def with_two_fingers(b):
+    """Spread apart they zoom and do not turn, twisted they roll; a page scrolls beneath one."""
+    before = b.run("return state.camera")
+    x, y = b.run("const r = canvases.result.screen.getBoundingClientRect(); return [r.left + r.width / 2, r.top + r.height / 2]")
+
+    def touch(kind, *points):
+        b.devtools("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x + px, "y": y + py, "id": i} for i, (px, py) in enumerate(points)])
+
+    touch("touchStart", (-30, 0), (30, 0))
+    for step in range(1, 6):
+        touch("touchMove", (-30 - 6 * step, 0), (30 + 6 * step, 0))
+    spread = b.run("return state.camera")
+    holds(1.8 < spread["zoom"] / before["zoom"] < 2.2, f"two fingers twice as far apart: zoom {before['zoom']} to {spread['zoom']}")
+    holds(abs(spread["yaw"] - before["yaw"]) < 1 and abs(spread["roll"] - before["roll"]) < 1e-6, f"a pinch turns: {spread}")
+    touch("touchMove", (-52, -30), (52, 30))
+    touch("touchEnd")
+    rolled = b.run("return state.camera.roll")
+    holds(25 < rolled - before["roll"] < 35, f"twisted by 30 degrees: rolled from {before['roll']} to {rolled}")
+    holds(b.run("return getComputedStyle(canvases.result.screen).touchAction") == "pan-y", "the page does not scroll beneath a finger")
+
+
 def turning(b, work):
     before = all_pixels(b)
     written = b.run("""const replace = history.replaceState; window.written = 0;
@@ -150,9 +171,14 @@ def turning(b, work):
     settle(b, "the arrows")
     keyed = b.run("return state.camera")
     holds(abs(keyed["yaw"] - camera["yaw"] + 5) < 1e-6 and abs(keyed["pitch"] - camera["pitch"] - 5) < 1e-6, f"by keys: {keyed}")
+    b.keys(".screen[data-view=truth]", "z")
+    settle(b, "a roll")
+    holds(b.run("return state.camera.roll") == 5, "z does not roll")
+    as_run_draws_it(b, work, "a rolled camera")
+    with_two_fingers(b)
     b.keys(".screen[data-view=truth]", KEYS["home"])
     settle(b, "Home")
-    holds(b.run("return state.camera") == {"yaw": 0, "pitch": 0, "zoom": 1}, "Home does not reset")
+    holds(b.run("return state.camera") == {"yaw": 0, "pitch": 0, "roll": 0, "zoom": 1}, "Home does not reset")
     b.drag(".screen[data-view=across]", (0, 0), (30, 40))
     settle(b, "the crosshair")
     moved = all_pixels(b)
@@ -323,6 +349,13 @@ def a_crash(b):
 def comparing(b):
     b.run("at('compare').value = 'side'; at('compare').dispatchEvent(new Event('change'))")
     settle(b, "side by side")
+    holds(pixels(b, "result") != pixels(b, "other"), "two results that are the same tell nothing")
+    b.devtools("Emulation.setDeviceMetricsOverride", width=1440, height=1000, deviceScaleFactor=1, mobile=False)
+    boxes = b.run("scrollTo(0, 0); return ['result', 'other'].map((v) => canvases[v].screen.getBoundingClientRect()).map((r) => [r.top, r.bottom])")
+    holds(boxes[0] == boxes[1] and boxes[0][1] <= 1000, f"the two results are not in one row, or below the fold: {boxes}")
+    b.devtools("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
+    b.run("const p = lanes[1].params.find(p => p.primary); setValue(1, p, valueOf(0, p), false)")
+    settle(b, "the same position")
     holds(pixels(b, "result") == pixels(b, "other"), "the same settings give two pictures")
     b.run("setValue(1, lanes[1].params.find(p => p.primary), 1.2, false)")
     settle(b, "the other position")

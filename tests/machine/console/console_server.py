@@ -80,7 +80,8 @@ def pages_and_files(console):
     for path in ("/console.html", "/etc/passwd", "/../../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/console.css/..", "//"):
         holds(console.request(path)[0] in (400, 403, 404), f"{path} is answered")
     holds(console.request("/?t=" + console.token, "POST", {"Content-Length": "0"})[0] == 405, "POST is taken")
-    for host in ("evil.example", f"evil.example:{console.port}", f"127.0.0.1:{console.port + 1}", f"127.0.0.1.evil.example:{console.port}"):
+    holds(console.request("/?t=" + console.token, host="localhost:9000")[0] == 200, "the page does not come through a tunnel")
+    for host in ("evil.example", f"evil.example:{console.port}", f"127.0.0.1.evil.example:{console.port}"):
         for path in ("/?t=" + console.token, "/console.js"):
             holds(console.request(path, host=host)[0] == 403, f"Host {host} gets {path}")
     status = console.request("/?t=" + console.token, headers={"X-Long": "x" * 20000})[0]
@@ -111,7 +112,7 @@ def what_is_listed(page):
 def values_of_an_enum(page):
     page.say(page.state())
     method = next(p for p in page.text("plugin")["params"] if p["key"] == "method")
-    holds([one["value"] for one in method["names"]][:5] == [0, 1, 2, 6, 7], f"methods: {method['names']}")
+    holds([one["value"] for one in method["names"]]== [0, 1, 2, 7], f"methods: {method['names']}")
     lane = page.show(lanes=[{"plugin": 0, "values": {"method": 4}}])["lanes"][0]
     holds(lane["failed"] and "method is 4, which is none of its values" in lane["words"], f"a retired value: {lane}")
 
@@ -125,9 +126,9 @@ def a_picture(page):
     page.pictures.clear()
     again = page.show(views=["result", "full", "truth", "depthmap", "across", "along", "deep"])
     holds(again["pictures"] == 0, "pictures that have not changed are sent again")
-    turned = page.show(views=["result"], camera={"yaw": 20, "pitch": 0, "zoom": 1})
+    turned = page.show(views=["result"], camera={"yaw": 20, "pitch": 0, "roll": 0, "zoom": 1})
     holds(turned["pictures"] == 1 and turned["ms"]["convert"] > 0, "turning draws nothing")
-    moved = page.show(views=["result"], camera={"yaw": 20, "pitch": 0, "zoom": 1}, lanes=[{"plugin": 0, "values": {"q": 1.1}}])
+    moved = page.show(views=["result"], camera={"yaw": 20, "pitch": 0, "roll": 0, "zoom": 1}, lanes=[{"plugin": 0, "values": {"q": 1.1}}])
     holds(moved["pictures"] == 1 and moved["lanes"][0]["adjusted"] == moved["lanes"][0]["clipped"], "the surface position asks for a new volume")
     page.say({"type": "do", "what": "snapshot", "view": "result"})
     page.show(picture=48)
@@ -177,7 +178,7 @@ def states_that_cannot_be_shown(page, work):
            {"source": {"folder": 0, "path": "link.mha", "from": "probe"}}, {"source": {"folder": 0, "path": "inside.mha", "from": "probe"}},
            {"source": {"folder": 9, "path": "inside.mha", "from": "probe"}}, {"source": {"folder": 0, "path": "/etc/passwd", "from": "probe"}},
            {"source": {"scene": "D01", "size": 64, "volumes": 1, "from": "left"}},
-           {"camera": {"yaw": 0, "pitch": 0, "zoom": 1e9}}]
+           {"camera": {"yaw": 0, "pitch": 0, "roll": 0, "zoom": 1e9}}]
     for changes in bad:
         said = page.show(**changes)
         holds(said is not None and said["type"] == "refused" and said["text"], f"{changes}: {said}")
@@ -232,7 +233,7 @@ def messages_that_are_refused(page):
 def the_newest_state_wins(page):
     """200 states at once: few frames come, and the last one is of the last state."""
     for i in range(200):
-        page.say(page.state(camera={"yaw": i * 0.5, "pitch": 0, "zoom": 1}))
+        page.say(page.state(camera={"yaw": i * 0.5, "pitch": 0, "roll": 0, "zoom": 1}))
     frames, last = 0, None
     while last is None or last["serial"] < page.serial:
         last = page.text("frame")
@@ -246,18 +247,18 @@ def a_page_that_does_not_read(console):
     """It asks for much and takes nothing; another page goes on. Without what it has seen it gets two frames, no more."""
     deaf = let_in(console, "a page that will not read")
     for i in range(300):
-        deaf.raw(deaf.frame(1, json.dumps(deaf.state(camera={"yaw": i, "pitch": 0, "zoom": 1}, picture=1024)).encode()))
+        deaf.raw(deaf.frame(1, json.dumps(deaf.state(camera={"yaw": i, "pitch": 0, "roll": 0, "zoom": 1}, picture=1024)).encode()))
     other = let_in(console, "a page beside one that does not read")
     for i in range(5):
         start = time.monotonic()
-        holds(other.show(camera={"yaw": i, "pitch": 0, "zoom": 1})["type"] == "frame", "the other page stands still")
+        holds(other.show(camera={"yaw": i, "pitch": 0, "roll": 0, "zoom": 1})["type"] == "frame", "the other page stands still")
         holds(time.monotonic() - start < 30, "the other page waits for the deaf one")
     frames = 0
     deaf.socket.settimeout(3)
     for yaw in (-10, -20, -30):
         while deaf.text("frame"):
             frames += 1
-        deaf.say(deaf.state(camera={"yaw": yaw, "pitch": 0, "zoom": 1}))
+        deaf.say(deaf.state(camera={"yaw": yaw, "pitch": 0, "roll": 0, "zoom": 1}))
     holds(frames == 2, f"a page that has seen nothing got {frames} frames")
     deaf.close()
     other.close()

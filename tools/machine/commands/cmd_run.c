@@ -111,8 +111,8 @@ static json_t *describe(const hs_run *run, bool *ok) {
     put(root, "own_queue", json_boolean(o->own_queue), ok);
     put(root, "scanned", hs_json_text(hs_fan_name(o->fan)), ok);
     put(root, "camera",
-        json_pack("{s:s, s:f, s:f, s:f}", "from", hs_from_name(o->from), "yaw", o->yaw, "pitch", o->pitch,
-                  "orbit", o->orbit),
+        json_pack("{s:s, s:f, s:f, s:f, s:f}", "from", hs_from_name(o->from), "yaw", o->yaw, "pitch",
+                  o->pitch, "roll", o->roll, "orbit", o->orbit),
         ok);
     put(root, "picture", json_pack("[i, i]", (int)o->dvr.width, (int)o->dvr.height), ok);
     return root;

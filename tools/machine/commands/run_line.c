@@ -182,6 +182,7 @@ static const hs_option options[] = {
     {"yaw", "DEG", "turns it from there, to the right [0]\n", HS_OPTION_NUMBER, AT(loop.yaw), -360, 360,
      NULL},
     {"pitch", "DEG", "turns it from there, up [0]\n", HS_OPTION_NUMBER, AT(loop.pitch), -360, 360, NULL},
+    {"roll", "DEG", "turns its picture clockwise [0]\n", HS_OPTION_NUMBER, AT(loop.roll), -360, 360, NULL},
     {"turnable", NULL,
      "one box for every direction, as the console's: maps and depths do not change with it\n", HS_OPTION_FLAG,
      AT(loop.turnable), 0, 0, NULL},

@@ -70,10 +70,10 @@ typedef struct {
 typedef struct {
     uint64_t serial; /* the page's own count, told back */
     hs_console_source source;
-    double yaw, pitch, zoom; /* degrees; hs_loop_options.zoom */
-    uint32_t views;          /* bits 1 << HS_CONSOLE_* */
-    uint32_t picture, draft; /* pixels of a picture's side, at rest and under way */
-    bool hurried;            /* a hand is on a control: drafts */
+    double yaw, pitch, roll, zoom; /* degrees; hs_loop_options.zoom */
+    uint32_t views;                /* bits 1 << HS_CONSOLE_* */
+    uint32_t picture, draft;       /* pixels of a picture's side, at rest and under way */
+    bool hurried;                  /* a hand is on a control: drafts */
     bool playing;
     double speed;        /* volumes a second */
     uint32_t index;      /* the volume while it does not play */

@@ -123,13 +123,13 @@ static void put_renderer(FILE *out, const hs_console_state *s) {
 
 static void put_camera(FILE *out, const hs_console_stage *stage) {
     const hs_console_state *s = &stage->state;
-    const double values[3] = {s->yaw, s->pitch, s->zoom};
-    static const char *const names[3] = {"yaw", "pitch", "zoom"};
+    const double values[4] = {s->yaw, s->pitch, s->roll, s->zoom};
+    static const char *const names[4] = {"yaw", "pitch", "roll", "zoom"};
     (void)fputs(" --turnable", out);
     if (stage->lowres) (void)fprintf(out, " --lowres %u", stage->lowres);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         char text[32];
-        if (values[i] == (i == 2 ? 1.0 : 0.0)) continue;
+        if (values[i] == (i == 3 ? 1.0 : 0.0)) continue;
         number_text(values[i], text, sizeof text);
         (void)fprintf(out, " --%s %s", names[i], text);
     }

@@ -167,10 +167,11 @@ static bool read_source(const json_t *object, hs_console_source *source, hs_erro
 }
 
 static bool read_camera(const json_t *object, hs_console_state *state, hs_error *err) {
-    static const char *const keys[] = {"yaw", "pitch", "zoom", NULL};
+    static const char *const keys[] = {"yaw", "pitch", "roll", "zoom", NULL};
     return hs_console_object(object, "camera", keys, err) &&
            hs_console_number(object, "yaw", -360, 360, &state->yaw, err) &&
            hs_console_number(object, "pitch", -90, 90, &state->pitch, err) &&
+           hs_console_number(object, "roll", -360, 360, &state->roll, err) &&
            hs_console_number(object, "zoom", 0.25, 16, &state->zoom, err);
 }
 

@@ -84,6 +84,7 @@ static hs_loop_options loop_options(const hs_console_stage *stage, const hs_cons
     o.turnable = true;
     o.yaw = state->yaw;
     o.pitch = state->pitch;
+    o.roll = state->roll;
     o.zoom = state->zoom;
     o.frames = 1;
     o.dvr.width = o.dvr.height = 16;
@@ -169,7 +170,7 @@ static bool follow_screen(hs_console_stage *stage, const hs_console_state *state
 /* What another camera or volume makes necessary. */
 static void follow_camera(hs_console_stage *stage, const hs_console_state *state, uint32_t index) {
     const hs_console_state *now = &stage->state;
-    const bool turned = now->yaw != state->yaw || now->pitch != state->pitch;
+    const bool turned = now->yaw != state->yaw || now->pitch != state->pitch || now->roll != state->roll;
     const bool other_volume = index % stage->source.count != stage->index % stage->source.count;
     if (turned || other_volume || now->zoom != state->zoom) stage->scene_epoch++;
     const bool shows_maps =
@@ -181,7 +182,7 @@ static void follow_camera(hs_console_stage *stage, const hs_console_state *state
     for (int i = 0; i < HS_CONSOLE_LANES; i++) {
         hs_lane *lane = &stage->lane[i];
         if (!lane->loop) continue;
-        hs_loop_look(lane->loop, state->yaw, state->pitch, state->zoom);
+        hs_loop_look(lane->loop, state->yaw, state->pitch, state->roll, state->zoom);
         hs_loop_want(lane->loop, false, shows_maps);
         if (turned || other_volume) hs_lane_needs(lane, HS_LANE_CONVERT);
         if (shows_maps && !showed_maps) hs_lane_needs(lane, HS_LANE_ASK);

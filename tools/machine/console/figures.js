@@ -50,7 +50,7 @@ function rate() {
   const now = performance.now();
   while (painted.length && now - painted[0] > 1000) painted.shift();
   const resting = painted.length === 0; /* nothing to draw is no rate */
-  at("fps").textContent = resting ? "at rest" : painted.length;
+  at("fps").textContent = !lastFigures ? "no picture yet" : resting ? "at rest" : painted.length;
   at("fps").nextElementSibling.hidden = resting;
   at("fps").nextElementSibling.textContent = painted.length === 1 ? "picture a second" : "pictures a second";
 }
@@ -84,7 +84,7 @@ function showOutcome(text) {
   box.dataset.words = words;
   box.replaceChildren(...text.lanes.flatMap((lane, i) => {
     const name = text.lanes.length > 1 ? "12"[i] + ": " : "";
-    const words = make("p", { class: lane.failed ? "bad" : lane.clipped ? "good" : "", text: name + lane.words });
+    const words = make("p", { class: lane.failed ? "bad" : !lane.clipped ? "" : lane.outcome === "SV_OK" ? "good" : "doubt", text: name + lane.words });
     return lane.why ? [words, ...reasonOf(lane, i)] : [words];
   }));
 }

@@ -78,12 +78,21 @@ function stepBy(by) {
 
 /* ---------------------------------------------------------------------------------------- comparing -- */
 
+/* The first lane with its primary parameter half way to the farther end: two results that are the same tell nothing. */
+function otherLane() {
+  const lane = { plugin: state.lanes[0].plugin, values: { ...state.lanes[0].values } };
+  const param = lanes[0].params.find((p) => p.primary);
+  if (!param) return lane;
+  const value = valueOf(0, param), end = value - param.low < param.high - value ? param.high : param.low, step = sliderStep(param);
+  lane.values[param.key] = short(param.low + Math.round((value + end - 2 * param.low) / 2 / step) * step) * 1;
+  return lane;
+}
+
 function compare(how) {
   look.compare = how;
   at("compare").value = how;
   if (how === "off") state.lanes.length = 1;
-  else if (state.lanes.length < 2)
-    state.lanes.push({ plugin: state.lanes[0].plugin, values: { ...state.lanes[0].values } });
+  else if (state.lanes.length < 2) state.lanes.push(otherLane());
   if (how !== "off" && !lanes[1].params.length) lanes[1].params = lanes[0].params;
   layOut();
   buildControls();

@@ -8,7 +8,7 @@ const state = {
   type: "state",
   serial: 0,
   source: { scene: "D01", size: 128, volumes: 1, from: "probe" },
-  camera: { yaw: 0, pitch: 0, zoom: 1 },
+  camera: { yaw: 0, pitch: 0, roll: 0, zoom: 1 },
   views: [],
   picture: 512,
   draft: 256,
@@ -70,7 +70,7 @@ function writeAddressNow() {
   else at.set("file", s.folder + ":" + s.path);
   if (s.from !== "probe") at.set("from", s.from);
   const c = state.camera;
-  if (c.yaw || c.pitch || c.zoom !== 1) at.set("camera", [c.yaw, c.pitch, c.zoom].map(short).join(","));
+  if (c.yaw || c.pitch || c.roll || c.zoom !== 1) at.set("camera", [c.yaw, c.pitch, c.zoom, c.roll].map(short).join(","));
   if (state.play.index) at.set("volume", state.play.index);
   if (state.play.on) at.set("play", short(state.play.speed));
   if (state.cross.some((x) => x !== 0.5)) at.set("cross", state.cross.map(short).join(","));
@@ -121,6 +121,7 @@ function readAddress(hello) {
     yaw: numberIn(camera[0], -180, 180, 0),
     pitch: numberIn(camera[1], -90, 90, 0),
     zoom: numberIn(camera[2], 0.25, 16, 1),
+    roll: numberIn(camera[3], -180, 180, 0),
   };
   state.play.index = Math.round(numberIn(at.get("volume"), 0, 1e6, 0));
   state.play.on = at.has("play");

@@ -38,7 +38,8 @@ function make(tag, attributes, ...children) {
 
 function renderedViews() {
   const third = look.third === "truth" && !hasTruth ? "depthmap" : look.third;
-  return look.compare === "side" ? ["full", "result", "other", third] : ["full", "result", third];
+  /* Two columns: the two results are the first row. */
+  return look.compare === "side" ? ["result", "other", "full", third] : ["full", "result", third];
 }
 
 function wantedViews() {
@@ -49,10 +50,20 @@ function wantedViews() {
 
 /* ------------------------------------------------------------------------------------------- camera -- */
 
+function around(degrees) {
+  return ((((degrees + 180) % 360) + 360) % 360) - 180;
+}
+
+/* Degrees along the picture's right and down: a rolled picture has yaw and pitch askew. */
 function turn(right, down) {
-  const c = state.camera;
-  c.yaw = ((((c.yaw + right + 180) % 360) + 360) % 360) - 180;
-  c.pitch = clamp(c.pitch - down, -90, 90);
+  const c = state.camera, angle = (c.roll * Math.PI) / 180, cos = Math.cos(angle), sin = Math.sin(angle);
+  c.yaw = around(c.yaw + cos * right + sin * down);
+  c.pitch = clamp(c.pitch - (cos * down - sin * right), -90, 90);
+  changed(true);
+}
+
+function roll(clockwise) {
+  state.camera.roll = around(state.camera.roll + clockwise);
   changed(true);
 }
 
@@ -62,7 +73,7 @@ function zoom(factor) {
 }
 
 function resetCamera() {
-  state.camera = { yaw: 0, pitch: 0, zoom: 1 };
+  state.camera = { yaw: 0, pitch: 0, roll: 0, zoom: 1 };
   changed(false);
 }
 
@@ -77,13 +88,42 @@ function dragWith(screen, move) {
   });
 }
 
-function turnByHand(screen) {
-  let x = 0, y = 0;
-  dragWith(screen, (event, first) => {
-    if (!first) turn((event.clientX - x) * DEGREES_A_PIXEL, (event.clientY - y) * DEGREES_A_PIXEL);
-    x = event.clientX;
-    y = event.clientY;
+/* Where two fingers are together: their middle, how far apart, and the angle of the line between them. */
+function pinchOf(fingers) {
+  const [a, b] = [...fingers.values()], x = b.x - a.x, y = b.y - a.y;
+  return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, size: Math.max(Math.hypot(x, y), 1), angle: (Math.atan2(y, x) * 180) / Math.PI };
+}
+
+/* A drag turns, with Shift it rolls. Two fingers turn, too; spread they zoom, twisted they roll. One finger up or down
+ * scrolls the page (touch-action). */
+function fingersOn(screen) {
+  const fingers = new Map();
+  screen.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    screen.setPointerCapture(event.pointerId);
+    fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
   });
+  screen.addEventListener("pointermove", (event) => {
+    const finger = fingers.get(event.pointerId);
+    if (!finger || fingers.size > 2) return;
+    const before = fingers.size === 2 ? pinchOf(fingers) : { ...finger };
+    finger.x = event.clientX;
+    finger.y = event.clientY;
+    const now = fingers.size === 2 ? pinchOf(fingers) : finger;
+    const right = (now.x - before.x) * DEGREES_A_PIXEL, down = (now.y - before.y) * DEGREES_A_PIXEL;
+    if (event.shiftKey) roll(right);
+    else turn(right, down);
+    if (fingers.size < 2) return;
+    zoom(now.size / before.size);
+    roll(around(now.angle - before.angle));
+  });
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture"])
+    screen.addEventListener(end, (event) => fingers.delete(event.pointerId));
+  screen.addEventListener("touchstart", (event) => { if (event.touches.length > 1) event.preventDefault(); }, { passive: false });
+}
+
+function turnByHand(screen) {
+  fingersOn(screen);
   screen.addEventListener("wheel", (event) => {
     event.preventDefault();
     zoom(Math.exp(-event.deltaY * 0.0015));
@@ -94,6 +134,7 @@ function turnByHand(screen) {
     const keys = {
       ArrowLeft: () => turn(-step, 0), ArrowRight: () => turn(step, 0), ArrowUp: () => turn(0, -step),
       ArrowDown: () => turn(0, step), "+": () => zoom(1.1), "=": () => zoom(1.1), "-": () => zoom(1 / 1.1), Home: resetCamera,
+      z: () => roll(5), Z: () => roll(-5),
     };
     if (!keys[event.key]) return;
     event.preventDefault();
@@ -152,7 +193,7 @@ function depthLegend() {
 function figureOf(view) {
   const slice = view in AXES;
   const canvas = make("canvas", { width: 16, height: 16 });
-  const help = slice ? "a click or the arrows move the crosshair, Enter sets a point to measure from" : "drag or the arrows turn, wheel or + and - zoom";
+  const help = slice ? "a click or the arrows move the crosshair, Enter sets a point to measure from" : "drag or the arrows turn, Shift and a drag or z roll, wheel or + and - zoom";
   const screen = make("div", {
     class: "screen", tabindex: "0", role: "application", "aria-label": TITLES[view] + ": " + help, "data-view": view,
   }, canvas);
