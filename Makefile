@@ -28,6 +28,7 @@ DEB_PACKAGES := scripts/packages-deb.txt
 OCLGRIND_PACKAGES := scripts/packages-oclgrind.txt
 FUZZ_PACKAGES := scripts/packages-fuzz.txt
 AARCH64_PACKAGES := scripts/packages-aarch64.txt
+WINDOWS_PACKAGES := scripts/packages-windows.txt
 LOOKS_PACKAGES := scripts/packages-looks.txt
 
 # $(call step,<name>): one line for what comes behind it; its output is in out/log/<name>.log.
@@ -43,7 +44,7 @@ KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 INTEL_TESTS := ^check/test_(formats|mean|method_hard|methods|reduction|scanned|wall|wall_answer)$$
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -81,6 +82,11 @@ aarch64: # plugin, validator and template for 64-bit ARM, and what the validator
 	@$(SETUP) $(PACKAGES) $(AARCH64_PACKAGES)
 	@$(call build,build,,smartvis)
 	@SV_WERROR=$(SV_WERROR) scripts/aarch64.sh build $(OUT)/aarch64
+
+windows: # plugin, template and example hosts for 64-bit Windows, and what they do under wine against Linux: out/windows
+	@$(SETUP) $(PACKAGES) $(WINDOWS_PACKAGES)
+	@$(call build,build,,smartvis small_host queue_host first_edge kernel_edge)
+	@SV_WERROR=$(SV_WERROR) scripts/windows.sh build $(OUT)/windows
 
 spdx: # what the project is built with and runs with, with versions, as SPDX 2.3: out/smartvis.spdx
 	@$(SETUP) --check $(PACKAGES)

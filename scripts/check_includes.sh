@@ -17,6 +17,7 @@ floors() {
     cat <<'TABLE'
 include                    |                                                            | fixed
 include/smartvis/author*.h include/smartvis/lookup.h include/smartvis/probe.h | abi     | fixed libc
+include/smartvis/open.h    | abi                                                        | fixed libc windows
 include/smartvis           | abi                                                        | fixed
 cl/common                  | .                                                          |
 cl/*                       | cl/common .                                                |
@@ -71,6 +72,7 @@ fixed   stdint.h stddef.h
 libc    assert.h ctype.h dirent.h dlfcn.h errno.h fcntl.h fenv.h float.h getopt.h glob.h inttypes.h limits.h locale.h
 libc    math.h poll.h pthread.h sched.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h
 libc    string.h strings.h threads.h time.h unistd.h wchar.h sys/*
+windows windows.h
 opencl  CL/*
 elf     elf.h link.h
 futex   linux/futex.h

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* A host that never waits longer than it may: the plugin works on a thread of its own, and every volume is
  * drawn when its time has come, with the map or without. Usage: deadline_host PLUGIN.so MILLISECONDS */
+#include "smartvis/open.h"
 #include "smartvis_plugin.h"
 
-#include <dlfcn.h>
 #include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -153,11 +153,10 @@ static int run(const sv_plugin *p, double ms) {
 }
 
 int main(int argc, char **argv) {
-    void *library = argc == 3 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
-    const sv_entry *entry = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
+    char why[256] = "usage: deadline_host FOLDER/PLUGIN.so MILLISECONDS";
     const double ms = argc == 3 ? strtod(argv[2], NULL) : 0.0;
-    if (argc == 3 && !entry) return fprintf(stderr, "%s\n", dlerror()), 2;
-    if (!(ms > 0.0)) return fprintf(stderr, "usage: deadline_host FOLDER/PLUGIN.so MILLISECONDS\n"), 2;
+    const sv_entry *entry = ms > 0.0 ? sv_open(argv[1], NULL, why, sizeof why) : NULL;
+    if (!entry) return fprintf(stderr, "%s\n", why), 2;
     if (entry->abi_major != SV_ABI_MAJOR) return fprintf(stderr, "another ABI: %u\n", entry->abi_major), 4;
     const sv_descriptor *about = entry->descriptor(0);
     const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "deadline_host", "1", print_log, NULL};

@@ -3,10 +3,10 @@
  * commands, and the host waits once, when all is enqueued. The volume is a skin, a wavy gap of fluid and a
  * fetus. Usage: queue_host PLUGIN.so */
 #define CL_TARGET_OPENCL_VERSION 120
+#include "smartvis/open.h"
 #include "smartvis_plugin.h"
 
 #include <CL/cl.h>
-#include <dlfcn.h>
 #include <stdio.h>
 
 enum { SIDE = 64, SLICES = 64, SLAB = 16, RAYS = SIDE * SIDE, SKIN = 100, FLUID = 10, FETUS = 200 };
@@ -145,10 +145,9 @@ static sv_status run_plugin(const sv_entry *entry, const sv_descriptor *about) {
 }
 
 int main(int argc, char **argv) {
-    void *library = argc == 2 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
-    const sv_entry *entry = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
-    if (!entry)
-        return fprintf(stderr, "%s\n", argc == 2 ? dlerror() : "usage: queue_host FOLDER/PLUGIN.so"), 2;
+    char why[256] = "usage: queue_host FOLDER/PLUGIN.so";
+    const sv_entry *entry = argc == 2 ? sv_open(argv[1], NULL, why, sizeof why) : NULL;
+    if (!entry) return fprintf(stderr, "%s\n", why), 2;
     if (entry->abi_major != SV_ABI_MAJOR) return fprintf(stderr, "another ABI: %u\n", entry->abi_major), 4;
     const sv_descriptor *about = entry->descriptor(0); /* says before what activate would refuse */
     if (!(about->queues & SV_QUEUE_HOST) || !(about->carriers & SV_BIT(SV_CARRIER_BUFFER)))

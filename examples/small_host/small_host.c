@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* A whole host: loads a plugin, asks it for the surface of a small volume, and prints where a renderer would
  * start its rays. The volume is a skin, a wavy gap of fluid and a fetus. Usage: small_host PLUGIN.so */
+#include "smartvis/open.h"
 #include "smartvis_plugin.h"
 
-#include <dlfcn.h>
 #include <stdio.h>
 
 enum { SIDE = 64, SLICES = 64, SLAB = 16, RAYS = SIDE * SIDE, SKIN = 100, FLUID = 10, FETUS = 200 };
@@ -67,10 +67,9 @@ static sv_status run(const sv_plugin *p) {
 }
 
 int main(int argc, char **argv) {
-    void *library = argc == 2 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
-    const sv_entry *entry = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
-    if (!entry)
-        return fprintf(stderr, "%s\n", argc == 2 ? dlerror() : "usage: small_host FOLDER/PLUGIN.so"), 2;
+    char why[256] = "usage: small_host FOLDER/PLUGIN.so";
+    const sv_entry *entry = argc == 2 ? sv_open(argv[1], NULL, why, sizeof why) : NULL;
+    if (!entry) return fprintf(stderr, "%s\n", why), 2;
     if (entry->abi_major != SV_ABI_MAJOR) return fprintf(stderr, "another ABI: %u\n", entry->abi_major), 4;
     const sv_descriptor *d = entry->descriptor(0); /* says before what activate would refuse */
     if (!(d->queues & SV_QUEUE_OWN) || !(d->voxel_types & SV_BIT(SV_VOXEL_U8)))

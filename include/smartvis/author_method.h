@@ -160,7 +160,9 @@ static inline size_t sva_byte(const sv_format *f, uint32_t x, uint32_t y, uint32
            x;
 }
 
-#if defined(__GNUC__)
+#if defined(__MINGW_PRINTF_FORMAT) /* that compiler's printf knows %zu only so */
+#define SVA_PRINTF(text, first) __attribute__((format(__MINGW_PRINTF_FORMAT, text, first)))
+#elif defined(__GNUC__)
 #define SVA_PRINTF(text, first) __attribute__((format(printf, text, first)))
 #else
 #define SVA_PRINTF(text, first)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A helper for hosts in C++17 on systems with dlopen, header-only and optional. What a host has to give back
+ * A helper for hosts in C++17, header-only and optional. What a host has to give back
  * is given back by destructors, and a status below SV_OK is an exception:
  *
  *     smartvis::instance plugin(smartvis::library("/usr/lib/smartvis/smartvis.so"), "my host");
@@ -16,8 +16,7 @@
 #define SMARTVIS_HOST_HPP
 
 #include "smartvis/lookup.h"
-
-#include <dlfcn.h>
+#include "smartvis/open.h"
 
 #include <cstdint>
 #include <functional>
@@ -57,13 +56,12 @@ constexpr bool clips(sv_status outcome) noexcept {
 class library {
   public:
     /* Throws std::runtime_error if the file is no library of plugins of this ABI's major version. */
-    explicit library(const std::string &path)
-        : handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL), [](void *handle) {
-              if (handle) dlclose(handle);
-          }) {
-        if (!handle_) throw std::runtime_error(dlerror());
-        entry_ = static_cast<const sv_entry *>(dlsym(handle_.get(), SV_ENTRY_SYMBOL));
-        if (!entry_) throw std::runtime_error(path + ": is no plugin, it has no " SV_ENTRY_SYMBOL);
+    explicit library(const std::string &path) {
+        char why[512];
+        void *loaded = nullptr;
+        entry_ = sv_open(path.c_str(), &loaded, why, sizeof why);
+        if (!entry_) throw std::runtime_error(why);
+        handle_.reset(loaded, sv_close);
         if (entry_->abi_major != SV_ABI_MAJOR)
             throw std::runtime_error(path + ": its ABI is " + std::to_string(entry_->abi_major) +
                                      ", expected " + std::to_string(SV_ABI_MAJOR));

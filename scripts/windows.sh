@@ -1,0 +1,62 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# windows.sh BUILD_FOLDER OUT_FOLDER: the SDK for 64-bit Windows, as a vendor builds it, and what it does there, under wine, on this
+# machine's OpenCL: the hosts of the examples print with the plugin, and with plugins made of the template and in C++, what they print
+# on Linux. BUILD_FOLDER is a build of this machine.
+set -eu -o pipefail
+build=$(realpath "$1")
+mkdir -p "$2"
+out=$(realpath "$2")
+cd "$(dirname "$0")/.."
+root=$out/root
+[ -d /usr/lib/wine ] || { echo "windows: no wine here; see scripts/packages-windows.txt" >&2; exit 1; }
+
+# OpenCL for the linker: the names that this machine's loader exports are those of OpenCL.dll; the headers are the same, too.
+mkdir -p "$root/lib" "$root/include"
+cp -rL /usr/include/CL "$root/include"
+loader=$(ldconfig -p | awk '$1 == "libOpenCL.so.1" { print $NF; exit }')
+{
+    printf 'LIBRARY OpenCL.dll\nEXPORTS\n'
+    nm -D --defined-only "$loader" | awk '$3 ~ /^cl[A-Z]/ { sub(/@.*/, "", $3); print $3 }' | sort -u
+} > "$root/OpenCL.def"
+x86_64-w64-mingw32-dlltool -d "$root/OpenCL.def" -l "$root/lib/libOpenCL.a"
+
+cross() { # cross SOURCE FOLDER ARGUMENT...: configures and builds; CMake's own output only if it fails
+    local log
+    log=$(cmake -S "$1" -B "$out/$2" -G Ninja -D "CMAKE_TOOLCHAIN_FILE=$PWD/cmake/x86_64-windows.cmake" -D "SV_WINDOWS_ROOT=$root" \
+        -D CMAKE_BUILD_TYPE=Release "${@:3}" 2>&1 && cmake --build "$out/$2" 2>&1) || { echo "$log"; exit 1; }
+    if grep -E 'warning:' <<< "$log"; then echo "windows: warnings in $1" >&2; exit 1; fi
+}
+cross . plugin -D SV_PLUGIN_ONLY=ON -D SV_WERROR="${SV_WERROR:-OFF}"
+here=(-D "CMAKE_PREFIX_PATH=$build" -D CMAKE_EXE_LINKER_FLAGS=-static -D CMAKE_MODULE_LINKER_FLAGS=-static)
+for example in small_host queue_host template first_edge kernel_edge cpp; do cross examples/$example $example "${here[@]}"; done
+
+# The same in C++ for this machine, to compare with.
+cmake -S examples/cpp -B "$out/cpp_here" -G Ninja -D "CMAKE_PREFIX_PATH=$build" > /dev/null
+cmake --build "$out/cpp_here" > /dev/null
+
+exports=$(x86_64-w64-mingw32-objdump -p "$out/plugin/smartvis.dll" | sed -n '/\[Ordinal\/Name Pointer\]/,/^$/s/.*\] //p')
+[ "$(tail -n +2 <<< "$exports")" = smartvis_plugin_entry ] || { echo "windows: smartvis.dll exports: $exports" >&2; exit 1; }
+
+export WINEPREFIX=$out/wine WINEDEBUG=-all LC_ALL=C
+# same PROGRAM_HERE PROGRAM_THERE PLUGIN_HERE PLUGIN_THERE: both print the same and end alike.
+same() {
+    local a=0 b=0
+    "$1" "$3" > "$out/here.txt" || a=$?
+    timeout 300 wine "$2" "$4" 2> "$out/there.log" | tr -d '\r' > "$out/there.txt" || b=$?
+    if [ $a != $b ] || ! diff "$out/here.txt" "$out/there.txt"; then
+        cat "$out/there.log" >&2
+        echo "windows: $2 $4: exit code $b, on Linux $a, or the output above differs" >&2
+        return 1
+    fi
+    echo "windows: $(basename "$2") $(basename "$4"): as on Linux ($(head -n 1 "$out/here.txt"))"
+}
+mkdir -p "$out/fötus"
+cp "$out/plugin/smartvis.dll" "$out/fötus/"
+examples=$build/examples
+same "$examples/small_host" "$out/small_host/small_host.exe" "$build/smartvis.so" "$out/plugin/smartvis.dll"
+same "$examples/small_host" "$out/small_host/small_host.exe" "$examples/first_edge.so" "$out/first_edge/first_edge.dll"
+same "$examples/queue_host" "$out/queue_host/queue_host.exe" "$build/smartvis.so" "$out/plugin/smartvis.dll"
+same "$examples/queue_host" "$out/queue_host/queue_host.exe" "$examples/kernel_edge.so" "$out/kernel_edge/kernel_edge.dll"
+same "$out/cpp_here/small_host" "$out/cpp/small_host.exe" "$build/smartvis.so" "$out/fötus/smartvis.dll"
+same "$out/cpp_here/small_host" "$out/cpp/small_host.exe" "$out/cpp_here/fluid_plugin.so" "$out/cpp/fluid_plugin.dll"
