@@ -23,8 +23,8 @@ bool hs_output_open(hs_output_file *output, const char *path, hs_error *err);
 /* Writes all bytes or fails with HS_ERR_OUTPUT. The file stays open either way. */
 bool hs_output_write(hs_output_file *output, const void *data, size_t bytes, hs_error *err);
 
-/* Flushes, closes and renames over `path`. On failure nothing is left behind.
- * Either way the struct is zeroed. */
+/* Flushes, closes and renames over `path`. On failure nothing is left behind. Either way the struct is
+ * zeroed. */
 bool hs_output_commit(hs_output_file *output, hs_error *err);
 
 /* Closes and removes the temporary file, then zeroes the struct. Safe on a zeroed struct. */

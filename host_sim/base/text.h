@@ -10,10 +10,9 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Copies UTF-8 with everything else made visible: bytes that are no UTF-8, and control characters (C0, DEL,
- * C1), become
- * "\xNN" byte by byte. A newline stays if `keep_newlines` is not 0. Always ends with a NUL; what does not fit
- * is left out, never half an escape or half a character. Returns `out`. */
+/* Copies UTF-8 with everything else made visible: bytes that are no UTF-8, and control characters (C0,
+ * DEL, C1), become "\xNN" byte by byte. A newline stays if `keep_newlines` is not 0. Always ends with a
+ * NUL; what does not fit is left out, never half an escape or half a character. Returns `out`. */
 char *hs_text_escape(char *out, size_t bytes, const char *text, int keep_newlines);
 
 /* fprintf for lines with text from outside: formats, then escapes all but newlines. For colours of the host's

@@ -29,8 +29,8 @@ bool hs_guarded_close(hs_plugin *plugin, hs_error *err);
 /* True if the plugin lives in a child. NULL: false. */
 bool hs_is_guarded(const hs_plugin *plugin);
 
-/* How the plugin gets its slabs in the child, from the next activate on. Does
- * nothing if it is not guarded. */
+/* How the plugin gets its slabs in the child, from the next activate on. Does nothing if it is not
+ * guarded. */
 void hs_guarded_route(const hs_plugin *plugin, hs_handover way);
 
 /* Memory for all slabs, aligned to a page, zeroed, owned by the guard until the plugin is closed. It is the

@@ -28,8 +28,8 @@ static void look_around(const server_state *server) {
     while (fcntl(HS_CHILD_CHANNEL, F_GETFD) < 0) (void)pause();
 }
 
-/* Notes the call that is made next, for whoever tells how this process ended.
- * `step` of `steps`, or 0 of 0. */
+/* Notes the call that is made next, for whoever tells how this process ended. `step` of `steps`, or 0 of
+ * 0. */
 static void enter_call(server_state *server, const char *call, uint32_t step, uint32_t steps) {
     hs_guard_block *block = server->block;
     look_around(server);

@@ -148,8 +148,8 @@ static bool note_origins(hs_sequence *s, const part *p, hs_error *err) {
     return true;
 }
 
-/* Takes the shape of the file that is open for that of the sequence if it is the
- * first; else they must agree. */
+/* Takes the shape of the file that is open for that of the sequence if it is the first; else they must
+ * agree. */
 static bool note_shape(hs_sequence *s, part *p, hs_error *err) {
     hs_volume shape;
     if (!file_shape(&s->file, &shape, err)) return false;

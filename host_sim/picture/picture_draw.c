@@ -20,8 +20,8 @@ cairo_t *hs_draw_begin(hs_picture *picture) {
     cairo_t *cr = cairo_create(surface);
     cairo_surface_destroy(surface); /* the context keeps it */
     cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    /* Unhinted advances, so that a text's width goes with its size; gray edges, so
-     * that letters have no colour. */
+    /* Unhinted advances, so that a text's width goes with its size; gray edges, so that letters have no
+     * colour. */
     cairo_font_options_t *options = cairo_font_options_create();
     cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
     cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);

@@ -36,8 +36,8 @@ typedef enum {
     HS_FAN_NOTHING   /* every voxel counts as scanned */
 } hs_fan;
 
-/* `wanted`, with HS_FAN_BEST resolved. HS_ERR_PLUGIN if the plugin does not take
- * ranges that were asked for. */
+/* `wanted`, with HS_FAN_BEST resolved. HS_ERR_PLUGIN if the plugin does not take ranges that were asked
+ * for. */
 bool hs_plugin_choose_fan(const sv_descriptor *descriptor, const char *path, hs_fan wanted, hs_fan *out,
                           hs_error *err);
 

@@ -93,8 +93,8 @@ void hs_plugin_default_path(char *out, size_t bytes) {
     if (!hs_path_beside_program(DEFAULT_PLUGIN, out, bytes)) (void)snprintf(out, bytes, "./" DEFAULT_PLUGIN);
 }
 
-/* Loading a plugin: library, entry symbol, ABI, instance. Nothing found in the
- * library is trusted unchecked. */
+/* Loading a plugin: library, entry symbol, ABI, instance. Nothing found in the library is trusted
+ * unchecked. */
 
 const char *hs_status_name(sv_status status) {
     const char *name = sv_lookup_status(status);

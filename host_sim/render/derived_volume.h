@@ -94,8 +94,8 @@ void hs_lit_volume_expire(hs_lit_volume *lit);
 
 /* Buffers are owned by the lit volume. */
 typedef struct {
-    /* f, hs_lit_volume_factor. Index i of the source's voxels along an axis is
-     * (i - (f - 1) / 2) / f + HS_LIT_BORDER in the smoothed volume. */
+    /* f, hs_lit_volume_factor. Index i of the source's voxels along an axis is (i - (f - 1) / 2) / f +
+     * HS_LIT_BORDER in the smoothed volume. */
     uint32_t factor;
     cl_mem smooth, brick_maxima; /* one byte each, x fastest */
     cl_int4 dims, bricks;        /* smoothed voxels, bricks (hs_brick_view) */

@@ -13,8 +13,8 @@ typedef struct {
     uint32_t tiles_x, tile_w, tile_h, row_pitch;
 } hs_slab_layout;
 
-/* These three are for layouts that hs_scan_converter_create accepts. Texture bytes
- * of a slab of `slices` slices. */
+/* These three are for layouts that hs_scan_converter_create accepts. Texture bytes of a slab of `slices`
+ * slices. */
 size_t hs_slab_bytes(const hs_slab_layout *layout, uint32_t slices);
 /* Number of slabs, and slices of slab `index`. */
 uint32_t hs_slab_count(const hs_slab_layout *layout);

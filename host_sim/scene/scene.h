@@ -107,8 +107,8 @@ typedef struct {
     const char *real;
 } hs_scene_options;
 
-/* One frame of a scene with its truth. `times` may be NULL. On failure *out is
- * zeroed. Same arguments, same bytes. */
+/* One frame of a scene with its truth. `times` may be NULL. On failure *out is zeroed. Same arguments,
+ * same bytes. */
 bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_scene_data *out,
                     hs_scene_times *times, hs_error *err);
 

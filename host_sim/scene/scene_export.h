@@ -6,9 +6,8 @@
 #include "scene/scene.h"
 #include "volume/kretz.h"
 
-/* Writes <prefix>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha: volumes, and
- * maps of one slice. Where the label is 0, near and
- * far hold -1 in the files. HS_ERR_OUTPUT or HS_ERR_MEMORY. */
+/* Writes <prefix>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha: volumes, and maps of one
+ * slice. Where the label is 0, near and far hold -1 in the files. HS_ERR_OUTPUT or HS_ERR_MEMORY. */
 bool hs_scene_export(const hs_scene_data *data, const char *prefix, hs_error *err);
 
 /* A geometry (hs_beams). Zeros stand for what hs_vol_geometry chooses. */

@@ -43,8 +43,8 @@ typedef struct {
     bool required;
 } hs_json_field;
 
-/* Reads the fields of an object; one that is absent keeps its value. A key that is
- * not in the table is an error. */
+/* Reads the fields of an object; one that is absent keeps its value. A key that is not in the table is an
+ * error. */
 bool hs_json_read(const hs_json *object, const hs_json_field *fields, size_t count, void *out);
 
 /* hs_json_read of an object whose type hs_json_type has read. */

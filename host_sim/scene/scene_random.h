@@ -6,8 +6,8 @@
 
 #include <stdint.h>
 
-/* A bijection of 64 bits with good avalanche: the finaliser of SplitMix64
- * (Steele, Lea, Flood, OOPSLA 2014). */
+/* A bijection of 64 bits with good avalanche: the finaliser of SplitMix64 (Steele, Lea, Flood, OOPSLA
+ * 2014). */
 static inline uint64_t hs_random_mix(uint64_t x) {
     x ^= x >> 30;
     x *= 0xbf58476d1ce4e5b9u;

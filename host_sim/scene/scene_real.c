@@ -17,8 +17,8 @@ typedef struct {
     const hs_volume *given;
 } real;
 
-/* Makes a column scanned, as fluid, from the front to its first scanned voxel;
- * one without any stays as it is. */
+/* Makes a column scanned, as fluid, from the front to its first scanned voxel; one without any stays as it
+ * is. */
 static void open_column(hs_volume *v, size_t column) {
     const size_t plane = (size_t)v->nx * v->ny;
     uint32_t first = 0;

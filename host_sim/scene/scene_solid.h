@@ -101,8 +101,8 @@ void hs_fetus_solids(hs_solid_list *list, const hs_fetus_spec *fetus, uint32_t b
 /* The middle surface of the skull as an ellipsoid in the scene. */
 void hs_fetus_skull(const hs_fetus_spec *fetus, hs_solid *skull);
 
-/* Adds the solids of all structures but sac and layers. The places of particles
- * come from `seed`. HS_ERR_MEMORY. */
+/* Adds the solids of all structures but sac and layers. The places of particles come from `seed`.
+ * HS_ERR_MEMORY. */
 bool hs_scene_solids(const hs_scene_spec *spec, uint64_t seed, hs_solid_list *list, hs_error *err);
 
 /* Whether a structure has an echo or an edge of its own: its voxels then carry a style. */

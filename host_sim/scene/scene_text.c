@@ -25,8 +25,8 @@ const char *hs_scene_of_group(hs_scene_group group, uint32_t index) {
     return index < sizeof names[0] / sizeof names[0][0] ? names[group][index] : NULL;
 }
 
-/* The built-in cases lie below the program's folder or beside it: nothing here
- * knows where the sources were. */
+/* The built-in cases lie below the program's folder or beside it: nothing here knows where the sources
+ * were. */
 static void scene_folder(char *folder, size_t size) {
     const char *named = getenv("SMARTVIS_SCENES");
     if (named && named[0])

@@ -31,8 +31,8 @@ struct hs_met_data {
 #define DATA_CONTEXT "%s:%u: ElementDataFile '%s': "
 #define DATA_ARGS(d) (d)->path, (d)->header->data_line, (d)->header->data_name
 
-/* The data must fill the file exactly: more or less means that DimSize or
- * ElementType is not what was written. */
+/* The data must fill the file exactly: more or less means that DimSize or ElementType is not what was
+ * written. */
 static bool check_plain_size(hs_met_data *d, uint64_t file_bytes, hs_error *err) {
     const hs_met_header *h = d->header;
     const uint64_t rest = file_bytes > h->header_size ? file_bytes - h->header_size : 0;
@@ -108,8 +108,8 @@ static bool read_file(hs_met_data *d, void *out, size_t bytes, hs_error *err) {
     return true;
 }
 
-/* Inflates up to *bytes bytes; *bytes becomes what was made. 0 at the end of
- * the stream or of the file only. */
+/* Inflates up to *bytes bytes; *bytes becomes what was made. 0 at the end of the stream or of the file
+ * only. */
 static bool inflate_some(hs_met_data *d, void *out, size_t *bytes, hs_error *err) {
     const size_t room = *bytes < (1u << 30) ? *bytes : 1u << 30; /* zlib counts in 32 bit */
     d->zlib.next_out = out;

@@ -285,8 +285,8 @@ static uint64_t zero_bits(const uint8_t *voxels, size_t count) {
     return bits;
 }
 
-/* Spreads the bits of `reached` through neighbouring bits of `zero`, to both
- * sides (a fill by doubling steps). */
+/* Spreads the bits of `reached` through neighbouring bits of `zero`, to both sides (a fill by doubling
+ * steps). */
 static uint64_t spread_in_word(uint64_t reached, uint64_t zero) {
     if (reached == 0 || reached == zero) return reached;
     uint64_t up = zero, down = zero;

@@ -33,8 +33,8 @@ void bench_machine_print(const bench_machine *machine);
 /* ----------------------------------------------------------------------------------------------- times -- */
 /* Samples of a duration, and what is reported of them. */
 
-/* Processor time of all threads so far, milliseconds: other load on the machine
- * hardly changes what is spent. */
+/* Processor time of all threads so far, milliseconds: other load on the machine hardly changes what is
+ * spent. */
 double bench_processor_ms(void);
 
 typedef struct {
@@ -115,8 +115,8 @@ typedef struct {
     plain_volume volume; /* the same voxels */
 } bench_slabs;
 
-/* n voxels an axis in slabs of slab_slices, tiles as square as the host's scan
- * loop lays them. HS_ERR_MEMORY. */
+/* n voxels an axis in slabs of slab_slices, tiles as square as the host's scan loop lays them.
+ * HS_ERR_MEMORY. */
 bool bench_slabs_create(bench_slabs *slabs, uint32_t n, uint32_t slab_slices, hs_error *err);
 void bench_slabs_destroy(bench_slabs *slabs);
 

@@ -60,8 +60,8 @@ uint32_t plain_mean(const plain_maps *maps, uint32_t number, uint32_t y0, uint32
 enum { PLAIN_MIN_FRACTION = 10 };
 uint32_t plain_fraction(uint32_t slices, uint32_t k);
 
-/* One end of `count` intervals as the mean filter's first sums: weight * depth, 0
- * where the interval is empty. */
+/* One end of `count` intervals as the mean filter's first sums: weight * depth, 0 where the interval is
+ * empty. */
 void plain_weigh_points(size_t count, uint32_t fraction, const uint8_t *restrict status,
                         const uint16_t *restrict end, uint32_t *restrict sum);
 

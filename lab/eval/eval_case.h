@@ -84,8 +84,8 @@ float hs_eval_ray_end(const uint8_t *voxels, size_t plane, uint32_t slices, size
 /* -------------------------------------------------------------------------------------------- measures -- */
 /* Quality of a depthmap by the termination depths of its rays (spec 7; thesis 4, Eq. 4.5 - 4.10). */
 
-/* Mean errors are in DVR steps. e > 0: the ray ends too early, an occluder is left.
- * e < 0: the fetus is cut. */
+/* Mean errors are in DVR steps. e > 0: the ray ends too early, an occluder is left. e < 0: the fetus is
+ * cut. */
 typedef enum {
     HS_MEASURE_ABS, /* Eq. 4.6, over labels 1 and 2 */
     HS_MEASURE_POS, /* Eq. 4.8: over the rays with e > 0; 0 if there is none */

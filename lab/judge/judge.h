@@ -195,8 +195,7 @@ bool site_seed_and_pose(const char *option, const char *text, uint64_t *seed, ui
 /* Adds the nine scenes at 128^3 of "SEED,POSE" to the set of scenes. */
 bool site_add_scenes(site_list *list, const char *seed_and_pose, hs_error *err);
 
-/* Adds a scene by its name or path, as hs_scene_open takes it, at its own
- * seed, to the set of scenes. */
+/* Adds a scene by its name or path, as hs_scene_open takes it, at its own seed, to the set of scenes. */
 bool site_add_scene(site_list *list, const char *name, hs_error *err);
 
 /* The same for the scenes 0 .. COUNT - 1 of "SEED,COUNT". `set`: R, random scenes, or G, random greys. */
@@ -291,10 +290,10 @@ bool site_harm(const site_list *list, const char *const *volumes, uint32_t count
 /* ------------------------------------------------------------------------------------------- sequences -- */
 /* How calm a surface is in a moving scene: what the renderings flicker beyond the truth's. */
 
-/* The set of files in `list` as the frames of one sequence, or without one four scenes that move, 20 frames
- * each. Prints for every method and scene the mean over labelled rays of
- * |end in this frame - end in the one before|, slices of 128, less the same of the ground truth. A method at
- * its best q takes the one that is best for these frames. Nothing remembers unless its settings say so. */
+/* The set of files in `list` as the frames of one sequence, or without one four scenes that move, 20
+ * frames each. Prints for every method and scene the mean over labelled rays of |end in this frame - end
+ * in the one before|, slices of 128, less the same of the ground truth. A method at its best q takes the
+ * one that is best for these frames. Nothing remembers unless its settings say so. */
 bool site_flicker(const site_list *list, const site_methods *methods, hs_error *err);
 
 /* ------------------------------------------------------------------------------------------- constants -- */

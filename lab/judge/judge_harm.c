@@ -89,8 +89,8 @@ static uint32_t clip_of(const wall_case *c, size_t pixel) {
     return z;
 }
 
-/* An ellipsoid half way between the start of the scan and the surface, over the
- * middle of the labelled rays. */
+/* An ellipsoid half way between the start of the scan and the surface, over the middle of the labelled
+ * rays. */
 typedef struct {
     double centre[3], radius[3];
 } ellipsoid;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* One self-contained HTML page: pictures inlined, no network, readable on a
- * phone; no script but the slider's. */
+/* One self-contained HTML page: pictures inlined, no network, readable on a phone; no script but the
+ * slider's. */
 #ifndef HS_PAGE_HTML_H
 #define HS_PAGE_HTML_H
 

@@ -154,7 +154,7 @@ void hs_eval_compare_file(uint32_t method, char *out, size_t bytes);
 void hs_eval_page_show(hs_page *report, const hs_eval_study *study, uint32_t index, const char *name,
                        const char *alt, const char *caption);
 
-/* Writes a figure (host_sim/picture/plot.h) into the page. */
+/* Writes a figure (page/plot.h) into the page. */
 typedef void (*hs_eval_figure_fn)(FILE *out, const void *plot);
 void hs_eval_figure_put(hs_page *report, hs_eval_figure_fn write, const void *plot);
 

@@ -76,8 +76,8 @@ static hs_loop *hs_eval_draw_loop(const hs_eval_drawing *d, hs_error *err) {
     return hs_loop_create(d->cl, &d->c->from.source, d->plugin, &options, err);
 }
 
-/* The rendering as a square picture of HS_EVAL_PICTURE pixels; `view` may be
- * NULL, else the caller frees it. */
+/* The rendering as a square picture of HS_EVAL_PICTURE pixels; `view` may be NULL, else the caller frees
+ * it. */
 static bool hs_eval_draw_result(const hs_eval_drawing *drawing, const char *folder, const char *name,
                                 hs_view *view, hs_error *err) {
     hs_view own;

@@ -2,8 +2,7 @@
 /*
  * The chain from the initial points to the surfaces:
  *
- *     ray states -> chain_gather -> points -> [minimum filter, n passes] -> points -> method -> surfaces ->
- * S(q)
+ *     ray states -> chain_gather -> points -> [minimum filter] -> points -> method -> surfaces -> S(q)
  *
  * At a reduced resolution chain_cells takes the place of chain_gather, the method works on a map of cells,
  * and chain_spread brings its surfaces back to the pixels.

@@ -13,7 +13,7 @@ typedef struct {
     double worst_share; /* largest share of the bound for that many passes */
 } compare_summary;
 
-/* Promised of every frame, in slices (docs/numerics.md, issue 2). */
+/* Promised of every frame, in slices (docs/numerics.md). */
 #define COMPARE_PROMISE 1e-3
 
 /* Runs one frame of an active instance and compares; fails the test with every argument and the

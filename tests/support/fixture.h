@@ -41,8 +41,8 @@ void fixture_frame_is_good(fixture *f);
 /* `status` is `expected`, and last_error and the host's log both hold `text` (a field and its value). */
 void fixture_refused(fixture *f, sv_status status, sv_status expected, const char *text);
 
-/* The same of a call for any thread: only the log holds `text`, last_error is
- * what fixture_keep_reason found. */
+/* The same of a call for any thread: only the log holds `text`, last_error is what fixture_keep_reason
+ * found. */
 void fixture_keep_reason(fixture *f);
 void fixture_refused_anywhere(fixture *f, sv_status status, sv_status expected, const char *text);
 

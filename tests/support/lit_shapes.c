@@ -207,8 +207,8 @@ static double expected_at(const body *b, const hs_camera *camera, const hs_dvr_s
         for (int k = 0; k < 3; k++)
             normal[k] = (q[k] + t * d[k]) / (b->shape->radius[k] * b->shape->radius[k]);
     }
-    /* The cut of a plane through the volume's own faces is no plane any more; two
-     * faces of a scan meet there. */
+    /* The cut of a plane through the volume's own faces is no plane any more; two faces of a scan meet
+     * there. */
     const double reach = b->shape->scan_face ? 0.3 : 0.42;
     for (int k = 0; k < 3; k++)
         if (fabs(start[k] + t * along[k]) > reach * EXTENT) return -1.0;

@@ -29,8 +29,8 @@ typedef struct {
 enum { LIT_SHAPES = 18 };
 extern const lit_shape lit_shapes[LIT_SHAPES];
 
-/* How a picture of 256 x 256 differs from the analytic one where the surface is seen
- * at less than 75 degrees. */
+/* How a picture of 256 x 256 differs from the analytic one where the surface is seen at less than 75
+ * degrees. */
 typedef struct {
     double rms;  /* difference, over the mean brightness */
     double mean; /* brightness, 0 .. 1 */

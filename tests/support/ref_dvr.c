@@ -49,8 +49,8 @@ bool ref_inside(const hs_volume *volume, const double position[3], double *margi
     return inside;
 }
 
-/* The depthmap under a pixel: bilinear between its pixel centres, its edges
- * extended; 0 next to unknown depths. */
+/* The depthmap under a pixel: bilinear between its pixel centres, its edges extended; 0 next to unknown
+ * depths. */
 static double ref_depth(const ref_depthmap *map, double u, double v) {
     double x = fmin(fmax(u * map->width - 0.5, 0.0), map->width - 1.0);
     double y = fmin(fmax(v * map->height - 0.5, 0.0), map->height - 1.0);

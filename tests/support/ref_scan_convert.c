@@ -39,8 +39,8 @@ static double ref_nearest(const hs_volume *volume, const double position[3], dou
     return ref_voxel(volume, index[0], index[1], index[2]);
 }
 
-/* The mean of the voxels that a halved voxel stands for; 1 if some of them were
- * not scanned, 0 if none was. */
+/* The mean of the voxels that a halved voxel stands for; 1 if some of them were not scanned, 0 if none
+ * was. */
 static double ref_marked(const hs_volume *v, const int64_t at[3]) {
     const int64_t n[3] = {v->nx, v->ny, v->nz};
     double sum = 0.0;

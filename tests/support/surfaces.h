@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reconstruction methods under test: point sets as volumes, frames with a method,
- * and what the definition says. */
+/* Reconstruction methods under test: point sets as volumes, frames with a method, and what the definition
+ * says. */
 #ifndef SV_SURFACES_H
 #define SV_SURFACES_H
 

@@ -84,8 +84,8 @@ INLINE __global const uchar *voxel_at(__global const uchar *slabs, int4 layout, 
     return slabs + p->slab + (size_t)(p->row + y) * layout.w + (size_t)p->column * layout.y + x;
 }
 
-/* Whether none of LANES voxels was scanned; quicker than a mask, and most are like
- * that behind a turned fan. */
+/* Whether none of LANES voxels was scanned; quicker than a mask, and most are like that behind a turned
+ * fan. */
 INLINE int none_scanned(__global const uchar *at) {
 #if LANES == 16
     ulong2 words = as_ulong2(LOAD(at));

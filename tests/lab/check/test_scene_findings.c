@@ -108,8 +108,8 @@ static const statement statements[] = {
     {"D02", "back", LEFT, 0.38, 0.50, 0.52, 0.70},
 };
 
-/* A statement holds if at least a twentieth of its region is wrong by three
- * slices or more in its direction. */
+/* A statement holds if at least a twentieth of its region is wrong by three slices or more in its
+ * direction. */
 static void check_statements(const char *name) {
     for (size_t i = 0; i < sizeof statements / sizeof statements[0]; i++) {
         const statement *s = &statements[i];

@@ -78,8 +78,8 @@ static void test_quarter_turns_are_exact(void **state) {
     }
 }
 
-/* Every corner of the volume lies in the box, and some corner on each of its
- * depth faces: it is the smallest. */
+/* Every corner of the volume lies in the box, and some corner on each of its depth faces: it is the
+ * smallest. */
 static void test_box_holds_the_volume(void **state) {
     (void)state;
     const hs_volume volume = shape(40, 25, 31, 1.0, 0.7, 2.3);

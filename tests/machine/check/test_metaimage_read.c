@@ -33,8 +33,8 @@ static const struct {
     {"MET_DOUBLE", FLOAT, 8, -1e30, 1e30},
 };
 
-/* Voxel i of the test volume, as the type holds it. 7 is coprime to 60: all of
- * the range, in no simple order. */
+/* Voxel i of the test volume, as the type holds it. 7 is coprime to 60: all of the range, in no simple
+ * order. */
 static double voxel_value(size_t t, size_t i) {
     const double f = (double)(i * 7 % COUNT) / (COUNT - 1);
     const double v = types[t].low * (1.0 - f) + types[t].high * f;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* hs_metaimage_write: files that read back, texts as 3D Slicer needs them, and
- * failures that leave nothing behind. */
+/* hs_metaimage_write: files that read back, texts as 3D Slicer needs them, and failures that leave nothing
+ * behind. */
 #include "support/metaimage_files.h"
 #include "volume/metaimage_write.h"
 

@@ -105,8 +105,8 @@ static void blit_scales_and_clips(void **state) {
         for (uint32_t x = 0; x < 9; x++)
             assert_int_equal(pixel(&p, x, y), gray[y / 3 * 3 + x / 3] * 0x010101);
 
-    /* Bilinear by 3: target pixel 1, 4, 7 are the sources' centres, between them
-     * thirds of the way, edges repeated. */
+    /* Bilinear by 3: target pixel 1, 4, 7 are the sources' centres, between them thirds of the way, edges
+     * repeated. */
     hs_picture_blit(&p, 0, 0, 9, 6, &image, HS_SCALE_SMOOTH);
     static const int top[9] = {0, 0, 33, 67, 100, 133, 167, 200, 200};
     for (uint32_t x = 0; x < 9; x++) {
@@ -304,8 +304,8 @@ static void three_panels_make_1600_pixels(void **state) {
     assert_non_null(strstr(err.text, "9 pictures, expected 1 .. 8"));
 }
 
-/* Where entry (x, y) of an 8 x 8 map is drawn: 768 / 8 = 96 pixels each, after a
- * margin of 16 and a title of 44. */
+/* Where entry (x, y) of an 8 x 8 map is drawn: 768 / 8 = 96 pixels each, after a margin of 16 and a title
+ * of 44. */
 static uint32_t map_pixel(const hs_picture *p, uint32_t x, uint32_t y) {
     return pixel(p, 16 + x * 96 + 48, 44 + y * 96 + 48);
 }
@@ -400,8 +400,8 @@ static void signed_maps_labels_and_shares_use_their_colours(void **state) {
     hs_picture_free(&p);
 }
 
-/* Sizes from 1 x 1 to more than the picture has pixels: drawn without a look
- * outside (ASan), the same each time. */
+/* Sizes from 1 x 1 to more than the picture has pixels: drawn without a look outside (ASan), the same each
+ * time. */
 static void odd_sizes_are_drawn(void **state) {
     (void)state;
     static const uint32_t sizes[][2] = {{1, 1},    {1, 500},  {500, 1}, {171, 128},

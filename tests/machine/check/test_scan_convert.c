@@ -16,8 +16,8 @@ typedef struct {
     uint32_t lowres[3];
 } convert_case;
 
-/* Edges of about 3, 2, 2.6, 1, 0.4 and 9 source voxels; cameras still, turned and
- * on quarter turns; odd shapes. */
+/* Edges of about 3, 2, 2.6, 1, 0.4 and 9 source voxels; cameras still, turned and on quarter turns; odd
+ * shapes. */
 static const convert_case cases[] = {
     {{60, 60, 60}, {1.0, 1.0, 1.0}, 0.0, 0.0, TEST_NOISE, {20, 20, 20}},
     {{61, 50, 47}, {1.0, 1.0, 1.0}, 0.0, 0.0, TEST_SPARSE, {20, 20, 15}},
@@ -254,8 +254,8 @@ static void test_impossible_layouts_are_refused(void **state) {
     assert_refused(*state, (hs_slab_layout){8, 8, 8, 8, 2, 8, 8, 15}, "row_pitch");
 }
 
-/* A replaced volume gives what a fresh one gives, host buffers that come again and
- * ones that push others out too. */
+/* A replaced volume gives what a fresh one gives, host buffers that come again and ones that push others
+ * out too. */
 static void test_replace(void **state) {
     enum { VOLUMES = 11 };
     const convert_case *c = &cases[2];

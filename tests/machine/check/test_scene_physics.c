@@ -5,8 +5,8 @@
 
 enum { N = 64 };
 
-/* A slab of `tissue` in slices first .. last - 1 across all columns, with the
- * distances an interface needs. */
+/* A slab of `tissue` in slices first .. last - 1 across all columns, with the distances an interface
+ * needs. */
 static void put_slab(hs_field *f, hs_tissue tissue, uint32_t first, uint32_t last) {
     for (uint32_t z = 0; z < N; z++) {
         float outside = fmaxf((float)first - ((float)z + 0.5f), (float)z + 0.5f - (float)last);
@@ -222,8 +222,8 @@ static void fan_has_its_borders(void **state) {
     hs_field_free(&f);
 }
 
-/* grey = 255 (1 + (L + gain) / range): -24 dB with 60 dB of range is 153, all below
- * the range is 1, above it 255. */
+/* grey = 255 (1 + (L + gain) / range): -24 dB with 60 dB of range is 153, all below the range is 1, above
+ * it 255. */
 static void compresses_as_stated(void **state) {
     (void)state;
     hs_scene_spec spec;

@@ -97,8 +97,8 @@ static void grains_widen_off_the_focus(void **state) {
     hs_field_free(&f);
 }
 
-/* An interface across the beam keeps its level behind the point spread: -10 dB
- * in silence, at its own depth. */
+/* An interface across the beam keeps its level behind the point spread: -10 dB in silence, at its own
+ * depth. */
 static void interfaces_keep_their_level(void **state) {
     (void)state;
     hs_scene_spec spec;

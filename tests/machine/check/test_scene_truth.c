@@ -117,8 +117,8 @@ static void sizes_are_free(void **state) {
     }
 }
 
-/* Frame 0 is the scene itself; a later frame has moved, has speckle of its own,
- * and its truth is again exact. */
+/* Frame 0 is the scene itself; a later frame has moved, has speckle of its own, and its truth is again
+ * exact. */
 static void frames_move_and_keep_their_truth(void **state) {
     (void)state;
     hs_scene_data still, frame;

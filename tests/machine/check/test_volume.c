@@ -65,8 +65,8 @@ static void a_new_volume_is_zero_and_one_mm(void **state) {
     mark(&volume);           /* and there is nothing to mark */
 }
 
-/* The definition, voxel by voxel: sweep until nothing changes. 2 stands for a
- * reached zero; voxels hold 0 or 9. */
+/* The definition, voxel by voxel: sweep until nothing changes. 2 stands for a reached zero; voxels hold 0
+ * or 9. */
 static void plain_flood(uint8_t *v, int nx, int ny, int nz) {
     for (bool changed = true; changed;) {
         changed = false;

@@ -148,8 +148,8 @@ static int with_grandchild(int channel, void *context) {
     return 0;
 }
 
-/* A process that nobody waits for may stay as a zombie where no init collects it:
- * it does not run any more. */
+/* A process that nobody waits for may stay as a zombie where no init collects it: it does not run any
+ * more. */
 static bool runs(pid_t pid) {
     char path[64], text[256] = "";
     (void)snprintf(path, sizeof path, "/proc/%ld/stat", (long)pid);

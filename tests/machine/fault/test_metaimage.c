@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* MetaImage files that are wrong: each is refused with file, field and value. Run
- * under ASan, nothing may leak. */
+/* MetaImage files that are wrong: each is refused with file, field and value. Run under ASan, nothing may
+ * leak. */
 #include "support/metaimage_files.h"
 
 #include <math.h>

@@ -34,8 +34,8 @@ SPY(cl_int, clBuildProgram,
 SPY(cl_program, clCreateProgramWithSource,
     (cl_context c, cl_uint n, const char **s, const size_t *l, cl_int *e), (c, n, s, l, e))
 
-/* Depth of the map over the centre of pixel x: bilinear between map pixels,
- * constant beyond the outer ones. */
+/* Depth of the map over the centre of pixel x: bilinear between map pixels, constant beyond the outer
+ * ones. */
 static double tilted_depth(double d, int x) {
     const double at = (x + 0.5) * LOW / PICTURE - 0.5;
     return d + fmin(fmax(at, 0), LOW - 1);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * However a volume is handed over, the answer is the same to the bit: sizes, slabs, tiles, padding, carriers
- * and the way the work is laid out (issue 2). Every frame is compared with the scalar definition.
+ * and the way the work is laid out. Every frame is compared with the scalar definition.
  */
 #include "support/compare.h"
 
@@ -53,8 +53,8 @@ static void every_kernel(void **state) {
     compare_summary all = {0};
     for (uint32_t n = 0; n < 3 * 3 * 4 * 3; n++) {
         const uint32_t substeps = 1 + n / 9 % 4;
-        /* Each build takes a second: padding with every width and with every
-         * number of samples, not with both. */
+        /* Each build takes a second: padding with every width and with every number of samples, not with
+         * both. */
         if (n >= 36 && substeps > 1 && n % 3 != substeps % 3) continue;
         rig_format f = layout(*state, 1 + n / 3 % 3, substeps);
         f.width = widths[n % 3];
@@ -182,8 +182,8 @@ static void long_slabs(void **state) {
     compare_print("long slabs", &all);
 }
 
-/* 700 slices under a window of 63 x 48: the sums need 64 bits; under 3 x 3 the
- * same instance uses 32 again. */
+/* 700 slices under a window of 63 x 48: the sums need 64 bits; under 3 x 3 the same instance uses 32
+ * again. */
 static void sums_of_64_bits(void **state) {
     assert_true(sv_fixed_format(64, 48, 700, 63, 2).wide);
     assert_false(sv_fixed_format(64, 48, 700, 3, 2).wide);

@@ -196,8 +196,8 @@ static void longest_volume(void **state) {
     compare_print("longest volume", &all);
 }
 
-/* Running float32 sums and summed-area tables are off by 1 to 3 slices here:
- * 512 x 512, k = 3, deep values. */
+/* Running float32 sums and summed-area tables are off by 1 to 3 slices here: 512 x 512, k = 3, deep
+ * values. */
 static void float_sums_would_drift(void **state) {
     enum { SIDE = 512, SLICES = 256, RAYS = SIDE * SIDE };
     int32_t *ends = calloc(2 * RAYS, sizeof *ends);

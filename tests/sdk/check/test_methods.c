@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Every reconstruction method against its float64 definition, alone and behind
- * the pre-filter; and the knob. */
+/* Every reconstruction method against its float64 definition, alone and behind the pre-filter; and the
+ * knob. */
 #include "support/surfaces.h"
 
 #include <math.h>

@@ -16,8 +16,8 @@
 
 enum { SLICES = 12, SPACING = 4, FLUID = 40, BONE = 200, MAX_RAYS = 24 };
 
-/* Tissue lies above 40, bone above 200. An unlisted voxel is 0: fluid, or, in
- * the padded table, not scanned. */
+/* Tissue lies above 40, bone above 200. An unlisted voxel is 0: fluid, or, in the padded table, not
+ * scanned. */
 typedef struct {
     const char *name;
     uint8_t voxels[SLICES];

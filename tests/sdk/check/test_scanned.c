@@ -26,8 +26,8 @@ static uint32_t noise(uint32_t *random) {
     return *random >> 24;
 }
 
-/* Layers, with bone; ranges of every kind: whole, late, early, one slice, none,
- * empty, and beyond the volume. */
+/* Layers, with bone; ranges of every kind: whole, late, early, one slice, none, empty, and beyond the
+ * volume. */
 static int setup(void **state) {
     scene *s = calloc(1, sizeof *s);
     if (!s) return -1;

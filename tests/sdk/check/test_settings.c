@@ -138,8 +138,8 @@ static void evidence(void **state) {
     compare_print("evidence", &all);
 }
 
-/* A slider: adjust gives what a new frame with that q would have given, to the
- * bit, and can be called at will. */
+/* A slider: adjust gives what a new frame with that q would have given, to the bit, and can be called at
+ * will. */
 static void adjust_equals_a_new_frame(void **state) {
     static const double list[] = {0.0, 0.25, 0.3, 1.0, 1.5, 0.0};
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {

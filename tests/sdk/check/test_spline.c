@@ -18,7 +18,7 @@
 
 #include <cmocka.h>
 
-static const double BOUND = 1e-3; /* slices: issue 4 */
+static const double BOUND = 1e-3; /* slices, as docs/numerics.md says */
 
 /* `count` different pixels; depths on a smooth hill with some noise, as skin is. */
 static surface_points hill(uint32_t width, uint32_t height, uint32_t count, uint32_t seed) {

@@ -220,8 +220,8 @@ static void the_spy_sees_activation(void **state) {
         print_message("AddressSanitizer owns the heap: allocations are not counted here\n");
 }
 
-/* The self-tests, of the frame and of the method, and the pipeline make their
- * kernels of the same programs. */
+/* The self-tests, of the frame and of the method, and the pipeline make their kernels of the same
+ * programs. */
 static void each_program_is_built_once(void **state) {
     fixture *f = *state;
     watch(f);

@@ -66,8 +66,8 @@ static void format_fields(void **state) {
     fixture_frame_is_good(f);
 }
 
-/* A format that is possible but larger than any device: 8192 rows of 4 GiB. The
- * device says no; nothing is lost. */
+/* A format that is possible but larger than any device: 8192 rows of 4 GiB. The device says no; nothing is
+ * lost. */
 static void format_larger_than_the_device(void **state) {
     fixture *f = *state;
     sv_format format = f->textures->format;
@@ -201,8 +201,8 @@ static void fixed_parameters(void **state) {
     fixture_frame_is_good(f);
 }
 
-/* A list counts as a whole: its last value of an id wins, and one bad value
- * discards all. Frames do not inherit. */
+/* A list counts as a whole: its last value of an id wins, and one bad value discards all. Frames do not
+ * inherit. */
 static void lists_of_values(void **state) {
     fixture *f = *state;
     const sv_plugin *p = f->r.plugin;

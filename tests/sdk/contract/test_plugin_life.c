@@ -116,8 +116,8 @@ static void destroyed_while_active(void **state) {
     fixture_frame_is_good(f);
 }
 
-/* Formats one after the other in one instance: nothing of the larger one is
- * left in the smaller one's maps. */
+/* Formats one after the other in one instance: nothing of the larger one is left in the smaller one's
+ * maps. */
 static void another_format_after_another(void **state) {
     fixture *f = *state;
     static const rig_format ways[] = {{.tiles_x = 1},
@@ -143,8 +143,8 @@ static void another_format_after_another(void **state) {
 
 static const char *self; /* this program's path */
 
-/* Own-queue activation in a child in which no OpenCL driver is installed. Exit
- * code 0: refused as it should be. */
+/* Own-queue activation in a child in which no OpenCL driver is installed. Exit code 0: refused as it
+ * should be. */
 static int child_without_device(void) {
     rig r;
     rig_open_library(&r, NULL);
@@ -210,8 +210,8 @@ static sv_status activate_with(fixture *f, const char *option) {
     return status;
 }
 
-/* Kernels that do not build: the log reaches the host, the instance stays
- * inactive, and can be activated later. */
+/* Kernels that do not build: the log reaches the host, the instance stays inactive, and can be activated
+ * later. */
 static void kernels_that_do_not_build(void **state) {
     fixture *f = *state;
     fixture_refused(f, activate_with(f, "-D__kernel=banana"), SV_ERR_BUILD,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Wrong plugins: OpenCL, on the frame path and elsewhere. The base has kernels,
- * and takes the host's queue. */
+/* Wrong plugins: OpenCL, on the frame path and elsewhere. The base has kernels, and takes the host's
+ * queue. */
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 

@@ -81,11 +81,10 @@ static bool time_once(const sampler *s, const hs_device_volume *from, double *ms
     return true;
 }
 
-/* Samples the middle of `volume`, which has beams, from an oblique camera at places about a voxel apart, by
- * the kernels of scan conversion: linearly in its Cartesian copy, and linearly in the probe's grid, at the
- * same places.
- * Prints the shortest times of several turns and their ratio. Opens an OpenCL device. HS_ERR_DEVICE or
- * HS_ERR_MEMORY. */
+/* Samples the middle of `volume`, which has beams, from an oblique camera at places about a voxel apart,
+ * by the kernels of scan conversion: linearly in its Cartesian copy, and linearly in the probe's grid, at
+ * the same places. Prints the shortest times of several turns and their ratio. Opens an OpenCL device.
+ * HS_ERR_DEVICE or HS_ERR_MEMORY. */
 static bool hs_info_sampling(const hs_volume *volume, hs_error *err) {
     sampler s = {0};
     double beams_ms = INFINITY, copy_ms = INFINITY;

@@ -35,7 +35,7 @@ typedef enum {
     HS_CONSOLE_FULL,
     HS_CONSOLE_TRUTH,
     HS_CONSOLE_DEPTH,
-    HS_CONSOLE_ACROSS, /* the slices of slice_pixels.h */
+    HS_CONSOLE_ACROSS, /* the slices of show/picture_slices.h */
     HS_CONSOLE_ALONG,
     HS_CONSOLE_DEEP,
     HS_CONSOLE_OTHER, /* the result of lane 1 */
@@ -282,8 +282,8 @@ typedef struct {
     double source_ms;        /* that opening the source took */
 } hs_console_stage;
 
-/* Opens the device. `offers` and `files` must outlive it. HS_ERR_DEVICE. The stage
- * must not move in memory. */
+/* Opens the device. `offers` and `files` must outlive it. HS_ERR_DEVICE. The stage must not move in
+ * memory. */
 bool hs_console_stage_open(hs_console_stage *stage, const hs_console_offers *offers,
                            const hs_console_files *files, hs_error *err);
 void hs_console_stage_close(hs_console_stage *stage);

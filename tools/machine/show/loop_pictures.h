@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The scan loop's pictures in one folder (design.md, "The host's three pictures"; thesis, Figure 4.2). */
+/* The scan loop's pictures in one folder (thesis, Figure 4.2). */
 #ifndef HS_LOOP_PICTURES_H
 #define HS_LOOP_PICTURES_H
 

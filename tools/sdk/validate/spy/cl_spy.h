@@ -42,8 +42,8 @@ bool spy_pending(void); /* it has enqueued something since its last clFinish */
 void spy_fail(uint32_t nth, cl_int code);
 const char *spy_failed(void); /* the call that was made to fail, or NULL */
 
-/* First OpenCL function that the library imports and the spy does not know, or
- * NULL. `handle` is of dlopen. */
+/* First OpenCL function that the library imports and the spy does not know, or NULL. `handle` is of
+ * dlopen. */
 const char *spy_unknown_import(void *handle);
 
 /* Launches of a kernel with a local size that it had not been launched with before the last spy_reset: PoCL
