@@ -77,7 +77,7 @@ python_types() {
 
 check "house rules" scripts/check_rules.sh
 check "links" links
-check "include rule" scripts/check_includes.sh
+check "floors" scripts/check_floors.py .
 check "clang-format" format
 check "kernels" kernels
 check "ruff" python_ruff
