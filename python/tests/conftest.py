@@ -36,16 +36,18 @@ def host_sim(*arguments: object) -> None:
     subprocess.run([str(BUILD / "host_sim"), *map(str, arguments)], check=True, capture_output=True, timeout=LONG)
 
 
-def write_dicom(folder: Path, image: sitk.Image, series: str = "1.2.3.4") -> list[Path]:
-    """A DICOM series of the image's slices in its place; file names run against their order."""
+def write_dicom(folder: Path, image: sitk.Image, series: str = "1.2.3.4", step: float = 0.0) -> list[Path]:
+    """A DICOM series of the image's slices in its place; file names run against their order. The rear half lies `step` mm
+    further behind."""
     folder.mkdir(exist_ok=True)
     writer = sitk.ImageFileWriter()
     writer.KeepOriginalImageUIDOn()
     direction = np.array(image.GetDirection()).reshape(3, 3)
     files = []
     for z in range(image.GetSize()[2]):
+        place = image.TransformIndexToPhysicalPoint((0, 0, z)) + step * direction[:, 2] * (2 * z >= image.GetSize()[2])
         tags = {"0008|0060": "OT", "0020|000e": series, "0008|0018": f"{series}.{z}", "0020|0013": str(z),
-                "0020|0032": "\\".join(f"{p:.8g}" for p in image.TransformIndexToPhysicalPoint((0, 0, z))),
+                "0020|0032": "\\".join(f"{p:.8g}" for p in place),
                 "0020|0037": "\\".join(f"{d:g}" for d in (*direction[:, 0], *direction[:, 1]))}  # fmt: skip
         slice_ = image[:, :, z]
         for tag, value in tags.items():

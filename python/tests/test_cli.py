@@ -100,10 +100,12 @@ def test_a_dicom_folder_gives_what_other_files_give(tmp_path: Path, image, capsy
 def test_dicom_that_is_no_whole_volume_is_refused(tmp_path: Path, image, capsys) -> None:
     files = write_dicom(tmp_path / "gap", image)
     files[20].unlink()
+    write_dicom(tmp_path / "uneven", image, step=0.07)  # a tenth of the distance of slices
     cine = tmp_path / "cine.dcm"
     image.SetMetaData("0008|0060", "US")
     sitk.WriteImage(image, str(cine))
     for path, words in {files[0]: "name the folder", tmp_path / "gap": f"{files[21]}: it lies 1.4 mm behind",
+                        tmp_path / "uneven": "it lies 0.77 mm behind the slice before it",
                         cine: "pictures over time"}.items():  # fmt: skip
         assert main(["clip", str(path), "--out", str(tmp_path / "out")]) == 3
         told = "".join(capsys.readouterr())

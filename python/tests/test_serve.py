@@ -2,6 +2,7 @@
 """smartvis serve against real peers: pyigtl's client and one on libOpenIGTLink, and peers that mean harm."""
 
 import contextlib
+import os
 import resource
 import shutil
 import signal
@@ -265,6 +266,19 @@ def test_clients_that_vanish_leave_nothing() -> None:
                     peer.recv(100)  # the server is in the middle of its answer
             peer.close()
         serves_again(number)  # the room of the vanished is free
+
+
+def test_a_silent_client_is_asked_whether_it_is_there(port: int) -> None:
+    with connect(port) as peer:
+        peer.sendall(image(layers((16, 16, 16))).pack())
+        assert read_message(peer)
+        for fd in map(int, os.listdir("/proc/self/fd")):  # the server is this process, too
+            with contextlib.suppress(OSError), socket.socket(fileno=os.dup(fd)) as other:
+                if other.getpeername() == peer.getsockname():
+                    asked = [other.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE),
+                             *(other.getsockopt(socket.IPPROTO_TCP, getattr(socket, f"TCP_KEEP{what}"))
+                               for what in ("IDLE", "INTVL", "CNT"))]  # fmt: skip
+    assert asked == [1, 60, 15, 4]
 
 
 def test_a_client_too_many_is_turned_away() -> None:

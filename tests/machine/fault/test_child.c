@@ -54,6 +54,11 @@ static int burn(int channel, void *context) {
     return 0;
 }
 
+static int burn_on(int channel, void *context) {
+    (void)signal(SIGXCPU, SIG_IGN);
+    return burn(channel, context);
+}
+
 static int grab(int channel, void *context) {
     (void)channel, (void)context;
     for (int i = 0; i < 10000; i++) {
@@ -93,6 +98,7 @@ static void each_end_has_its_sentence(void **state) {
         {silent, NULL, HS_CHILD_SILENT, "closed or misused its channel"},
         {stop_group, NULL, HS_CHILD_CRASHED, "crashed: SIGKILL"},
         {burn, NULL, HS_CHILD_CRASHED, "ran out of processor time"},
+        {burn_on, NULL, HS_CHILD_CRASHED, "crashed: SIGKILL"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const hs_child_limits limits = {.cpu_s = 1, .memory_bytes = MEMORY_LIMIT};

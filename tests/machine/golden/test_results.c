@@ -163,12 +163,11 @@ static void the_maps_lie_as_the_camera_looks(void **state) {
     result_close(&map);
 }
 
-/* A flat map at depth 9 lies 9 slices deep everywhere; from the probe at slice 0, voxels are kept from the
- * slice on whose middle is that deep; and the middle of the view box is the middle of the volume. */
-static void depths_are_millimetres(void **state) {
-    const result_fixture *f = *state;
+/* A flat map at this depth lies that many slices deep everywhere; from the probe at slice 0, voxels are kept
+ * from the slice on whose middle is that deep; and the middle of the view box is the middle of the volume. */
+static void depth_is_in_millimetres(const result_fixture *f, double flat) {
     const char *const paths[] = {f->source};
-    const sv_param_value values[] = {{.id = DEPTH, .value = 9}};
+    const sv_param_value values[] = {{.id = DEPTH, .value = flat}};
     const hs_loop_options options = options_with(values, 1);
     result_write(f, paths, 1, NULL, &options, HS_RESULT_DEPTHMAP | HS_RESULT_MASK);
     result_file map, mask;
@@ -176,10 +175,11 @@ static void depths_are_millimetres(void **state) {
     result_open(&mask, result_path("mask.mha"));
     for (uint32_t y = 0; y < map.size[1]; y++)
         for (uint32_t x = 0; x < map.size[0]; x++)
-            assert_true(fabs(result_map_at(&map, x, y) - 9 * map.spacing[2]) < 1e-5);
+            assert_true(fabs(result_map_at(&map, x, y) - flat * map.spacing[2]) < 1e-5);
+    assert_int_equal(mask.data[0], 0);
     for (size_t i = 0; i < mask.voxels; i++) {
         const double deep = ((double)(i / SOURCE_X / SOURCE_Y) + 0.5) * source_spacing[2];
-        assert_int_equal(mask.data[i], deep >= (9 + 0.5) * map.spacing[2]);
+        assert_int_equal(mask.data[i], deep >= (flat + 0.5) * map.spacing[2]);
     }
     const double slices = SOURCE_Z * source_spacing[2] / map.spacing[2];
     assert_true(fabs(slices - nearbyint(slices)) < 1e-9);
@@ -191,6 +191,11 @@ static void depths_are_millimetres(void **state) {
     for (int k = 0; k < 3; k++) assert_true(fabs(box_world[k] - middle_world[k]) < 1e-9);
     result_close(&mask);
     result_close(&map);
+}
+
+static void depths_are_millimetres(void **state) {
+    depth_is_in_millimetres(*state, 9.0);
+    depth_is_in_millimetres(*state, 0.375); /* less than half a slice */
 }
 
 /* The second volume of the first file, since its first one is invalid, then the second file's only one. */

@@ -54,7 +54,7 @@ expect 1 '"passed": false' --json --only depth-values "$wrong"
 expect 1 '^crash +first-frame .*(SIGSEGV|left by exit.1.); under way: slab' "$build/wrong/crash_in_slab.so"
 expect 1 '^crash +first-frame .*left by exit\(0\); under way: end' "$build/wrong/exit_in_end.so"
 expect 1 '^crash +first-frame .*aborted; under way: slab' "$build/wrong/abort_in_slab.so"
-expect 1 '^timeout +first-frame .*ran out of time \(6\.0 s\); under way: end' --timeout 6 "$build/wrong/hang_in_end.so"
+expect 1 '^timeout +first-frame .*ran out of time \(6\.0 s\); under way: end' --timeout 6 --junit "$work/hang.xml" "$build/wrong/hang_in_end.so"
 expect 1 '^skip +state-walk .*first-frame did not pass' "$build/wrong/crash_in_slab.so"
 # A pipe that the caller left open, and that nobody reads: not the plugin's.
 mkfifo "$work/pipe"
@@ -92,7 +92,7 @@ expect 6 'no/junit.xml: cannot be created' --junit "$work/no/junit.xml" "$right"
 expect 0 '1 pass' --only library-loads --junit "$work/odd.xml" "$odd"
 expect 1 '^crash' --junit "$work/junit.xml" "$build/wrong/crash_in_slab.so"
 if command -v python3 > /dev/null; then
-    python3 - "$work/junit.xml" "$work/out" "$work/odd.xml" << 'END' || { echo "JUnit's XML is not what the lines say"; failed=1; }
+    python3 - "$work/junit.xml" "$work/out" "$work/odd.xml" "$work/hang.xml" << 'END' || { echo "JUnit's XML is not what the lines say"; failed=1; }
 import re, sys, xml.etree.ElementTree as tree
 suite, lines = tree.parse(sys.argv[1]).getroot(), open(sys.argv[2]).read()
 cases = {case.get("name"): case for case in suite.findall("testcase")}
@@ -104,6 +104,8 @@ assert error.get("type") == "crash" and error.get("message") in lines, error.att
 assert "Three frames come out" in error.text
 assert cases["state-walk"].find("skipped").get("message") == "first-frame did not pass"
 assert len(cases["library-loads"]) == 0
+late = tree.parse(sys.argv[4]).getroot()
+assert late.get("errors") == "1" and late.find("testcase/error").get("type") == "timeout", late.attrib
 assert 'a<b>&"c\\x01\\xff.so' in tree.parse(sys.argv[3]).getroot().get("name")
 END
 else
@@ -115,4 +117,7 @@ fi
 [ $? -eq 6 ] || { echo "a full disk is no error: --list"; failed=1; }
 "$validate" --only first-frame "$right" > /dev/full 2> /dev/null
 [ $? -eq 6 ] || { echo "a full disk is no error"; failed=1; }
+# Nor does it hide what was found.
+"$validate" --only first-frame --only depth-values "$build/wrong/depth_nan.so" > /dev/full 2> /dev/null
+[ $? -eq 1 ] || { echo "a full disk hides that a check failed"; failed=1; }
 exit $failed

@@ -87,6 +87,7 @@
     WRONG(stats_size_changed, results, frame-statistics, "end changes the size of the host's statistics") \
     WRONG(status_map_garbage, results, frame-statistics, "the status map holds 9") \
     WRONG(writes_past_map, results, guard-bands, "end writes one depth behind the map") \
+    WRONG(writes_between_rows, results, guard-bands, "end writes one depth behind the last row but one") \
     WRONG(ignores_pitch, results, guard-bands, "end ignores depth_pitch") \
     WRONG(writes_past_stats, results, guard-bands, "end writes behind the statistics") \
     WRONG(confidence_above, results, confidence, "one confidence is 1.001") \

@@ -62,6 +62,8 @@ static void spoil_depths(const sva *a, const sv_result *r) {
         const size_t pitch = r->depth_pitch ? r->depth_pitch / sizeof(float) : width;
         r->depth[(a->format.height - 1) * pitch + width] = 0.5f;
     }
+    if (WRONG_IS(writes_between_rows) && !plain)
+        r->depth[(a->format.height - 2) * (r->depth_pitch / sizeof(float)) + width] = 0.5f;
     if (WRONG_IS(remembers_frames) && plain && rays <= 4096)
         for (size_t i = 0; i < rays; i++) {
             const float now = r->depth[i];

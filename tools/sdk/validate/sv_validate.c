@@ -280,7 +280,7 @@ static int validate(const command *c, hs_error *err) {
     if (!c->json) v_print_summary(&c->run, findings, count, colour);
     if ((c->json && !v_print_json(&c->run, findings, count)) || fflush(stdout) != 0 || ferror(stdout)) {
         (void)hs_fail(err, HS_ERR_OUTPUT, "standard output: cannot be written");
-        return HS_ERR_OUTPUT;
+        return bad ? HS_ERR_FAILED : HS_ERR_OUTPUT; /* what was found is not hidden */
     }
     return bad ? HS_ERR_FAILED : HS_OK;
 }
