@@ -84,6 +84,10 @@
  *            v        --->:.......:      0  1  0            1  0  0      it looks from the probe's left (-x)
  *        :.......:                       1  0  0
  *
+ * WHERE THE BEAMS RUN. Along every beam the ultrasound passes the probe's face, the wall, the fluid, the
+ * fetus. sv_frame.beams (since 1.1) tells how they run: parallel along the probe's z, or as a fan that is
+ * swept about an axis parallel to the probe's x; smartvis/probe.h draws it and has its formula.
+ *
  * DEPTH, AND "CLIPS NOTHING":
  *
  *     depth:     -3    0                     7.25
@@ -356,11 +360,12 @@ typedef struct sv_format {
 
 /* -------------------------------------------------------------------------------------------- frame -- */
 
-/* Flags of a frame. */
-enum {
-    SV_FRAME_DISCONTINUITY = 1u << 0 /* this volume does not continue the one before: the camera moved, the
-                                        image was frozen, another patient. Whatever remembers forgets. */
-};
+/* Flags of a frame, one at most. DISCONTINUITY: this volume does not continue the one before, and whatever
+ * remembers forgets: another scan or patient, a frozen image; a turned camera, where probe_rotation is not
+ * told. SAME_VOLUME (since 1.1, to plugins with SV_FEATURE_PROBE): the very volume of the frame before, by
+ * another camera or with other values. */
+enum { SV_FRAME_DISCONTINUITY = 1u << 0, SV_FRAME_SAME_VOLUME = 1u << 1 };
+enum { SV_BEAMS_UNKNOWN = 0, SV_BEAMS_PARALLEL = 1, SV_BEAMS_FAN = 2 }; /* sv_frame.beams, since 1.1 */
 
 /* The slices of one ray that were scanned: first .. end - 1. first >= end: none. What lies beyond the
  * volume's slices is cut off. */
@@ -397,6 +402,11 @@ typedef struct sv_frame {
      * knows the rotation gives both: the side is then the opposite of the rotation's third column. All of it
      * to within 0.001. */
     float probe_side[3];
+    uint32_t beams;        /* SV_BEAMS_*; unless UNKNOWN, with probe_rotation */
+    float beam_apex_mm[3]; /* FAN: where the lines of the middle plane meet, along the volume's axes from the
+                              centre of voxel (0, 0, 0); within 100,000; else 0 */
+    float beam_sweep_mm;   /* FAN: from there to the sweep's axis along the probe's z, likewise */
+    uint32_t reserved_beams; /* 0 */
 } sv_frame;
 
 #define SV_FRAME_SIZE_1_0 ((uint32_t)offsetof(sv_frame, probe_rotation)) /* the least that begin takes */
@@ -470,8 +480,8 @@ enum {
     SV_FEATURE_SCANNED = 1u << 0, /* takes SV_FORMAT_SCANNED; without the bit it refuses the flag */
     SV_FEATURE_PADDING = 1u << 1, /* heeds padding_value; without the bit it ignores the field */
     SV_FEATURE_ADJUST = 1u << 2,  /* has parameters flagged SV_PARAM_ADJUST */
-    SV_FEATURE_PROBE = 1u << 3 /* takes probe_rotation and probe_side, and refuses what is no rotation and no
-                                  unit vector with SV_ERR_ARGUMENT; without the bit it ignores both */
+    SV_FEATURE_PROBE = 1u << 3    /* takes what a frame tells of the probe and SAME_VOLUME, and refuses what
+                                     cannot be with SV_ERR_ARGUMENT; without the bit the fields are ignored */
 };
 
 /* The bit of a carrier or a voxel type in sv_descriptor. */

@@ -68,7 +68,7 @@ static sv_status guarded_begin(const sv_plugin *plugin, const sv_frame *frame) {
     block->frame.size = sizeof block->frame;
     block->frame.values = NULL;
     block->frame.scanned = NULL;
-    if (guard->lost_frame) block->frame.flags |= SV_FRAME_DISCONTINUITY;
+    if (guard->lost_frame) block->frame.flags = SV_FRAME_DISCONTINUITY;
     guard->lost_frame = false;
     block->value_count = frame->value_count;
     if (frame->value_count) memcpy(block->values, frame->values, frame->value_count * sizeof *frame->values);

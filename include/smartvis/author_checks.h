@@ -165,8 +165,11 @@ static inline sv_status sva_check_frame(sva *a, const sv_frame *f) {
     const sv_status s = sva_check_size(a, "begin: frame", f->size, SV_FRAME_SIZE_1_0);
     char wrong[200];
     if (s != SV_OK) return s;
-    if (f->flags & ~(uint32_t)SV_FRAME_DISCONTINUITY)
-        return sva_blame(a, SV_ERR_ARGUMENT, "begin: flags is 0x%x, only 0x1 is known", (unsigned)f->flags);
+    const int probe = (a->method->descriptor->features & SV_FEATURE_PROBE) != 0;
+    const uint32_t flags = probe ? SV_FRAME_DISCONTINUITY | SV_FRAME_SAME_VOLUME : SV_FRAME_DISCONTINUITY;
+    if ((f->flags & ~flags) || f->flags == (SV_FRAME_DISCONTINUITY | SV_FRAME_SAME_VOLUME))
+        return sva_blame(a, SV_ERR_ARGUMENT, "begin: flags is 0x%x, only %s known", (unsigned)f->flags,
+                         probe ? "0x1 or 0x2 is" : "0x1 is");
     const int given = (f->scanned != NULL) + (f->scanned_object != NULL);
     const int expected = a->format.flags & SV_FORMAT_SCANNED ? 1 : 0;
     if (given != expected)
@@ -179,7 +182,7 @@ static inline sv_status sva_check_frame(sva *a, const sv_frame *f) {
                          "begin: scanned_object at offset %llu: expected a multiple of 4, "
                          "and the host's queue",
                          (unsigned long long)f->scanned_offset);
-    if ((a->method->descriptor->features & SV_FEATURE_PROBE) && !sv_probe_holds(f, wrong, sizeof wrong))
+    if (probe && !sv_probe_holds(f, wrong, sizeof wrong))
         return sva_blame(a, SV_ERR_ARGUMENT, "begin: %s", wrong);
     return SV_OK;
 }

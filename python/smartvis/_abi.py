@@ -67,6 +67,10 @@ SV_CARRIER_HOST = 1
 SV_NO_PADDING = -1
 SV_FORMAT_SCANNED = 1 << 0
 SV_FRAME_DISCONTINUITY = 1 << 0
+SV_FRAME_SAME_VOLUME = 1 << 1
+SV_BEAMS_UNKNOWN = 0
+SV_BEAMS_PARALLEL = 1
+SV_BEAMS_FAN = 2
 SV_POINT_NONE = 0
 SV_POINT_INITIAL = 1
 SV_POINT_EMPTY = 2
@@ -175,6 +179,10 @@ class sv_frame(Structure):
         ("scanned_offset", c_uint64),
         ("probe_rotation", c_float * 9),
         ("probe_side", c_float * 3),
+        ("beams", c_uint32),
+        ("beam_apex_mm", c_float * 3),
+        ("beam_sweep_mm", c_float),
+        ("reserved_beams", c_uint32),
     ]
 
 

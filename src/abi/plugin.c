@@ -51,6 +51,12 @@ static sv_status check_values(sva *a, const sv_pipeline *p, const sv_values *val
                      values->of[SV_PARAM_FILL_WEIGHT], p->config.reduction);
 }
 
+static void take_beams(const sv_frame *frame, sv_beams *beams) {
+    sv_probe_of(frame, beams->rotation, beams->side);
+    beams->kind = sv_probe_beams_of(frame, beams->apex_mm, &beams->sweep_mm);
+    beams->same_volume = (frame->flags & SV_FRAME_SAME_VOLUME) != 0;
+}
+
 static sv_status begin(sva *a) {
     sv_instance *in = a->own;
     sv_pipeline *p = &in->pipeline;
@@ -65,8 +71,7 @@ static sv_status begin(sva *a) {
     p->queue.timing = &in->timing;
     sv_pipeline_begin(p, &values);
     p->map.continues = !(f->flags & SV_FRAME_DISCONTINUITY);
-    memcpy(p->map.probe_rotation, f->probe_rotation, sizeof p->map.probe_rotation);
-    memcpy(p->map.probe_side, f->probe_side, sizeof p->map.probe_side);
+    take_beams(f, &p->map.beams);
     if (!p->config.ranged) return SV_OK;
     return sv_pipeline_scanned(p, f->scanned, f->scanned_object, f->scanned_offset);
 }

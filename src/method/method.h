@@ -22,6 +22,7 @@
 #include "ref/ref_method.h"
 #include "smartvis/confidence.h"
 #include "smartvis/spline.h"
+#include "sv_beams.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -77,7 +78,7 @@ typedef struct {
 
     /* the frame under way, or the last one */
     bool continues; /* the volume before is of the same scene: what it taught still holds */
-    float probe_rotation[9], probe_side[3]; /* as in sv_frame; zeros: unknown */
+    sv_beams beams;
     sv_values values;
     sv_job job;
     const sv_program *program; /* narrow or wide */

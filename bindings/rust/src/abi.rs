@@ -100,6 +100,10 @@ structs! {
         scanned_offset: u64,
         probe_rotation: [f32; 9],
         probe_side: [f32; 3],
+        beams: u32,
+        beam_apex_mm: [f32; 3],
+        beam_sweep_mm: f32,
+        reserved_beams: u32,
     }
     /// A run of slices.
     struct sv_slab {
@@ -323,6 +327,10 @@ constants! {
         SV_CARRIER_IMAGE = 3,
         SV_FORMAT_SCANNED = 1 << 0,
         SV_FRAME_DISCONTINUITY = 1 << 0,
+        SV_FRAME_SAME_VOLUME = 1 << 1,
+        SV_BEAMS_UNKNOWN = 0,
+        SV_BEAMS_PARALLEL = 1,
+        SV_BEAMS_FAN = 2,
         SV_QUEUE_OWN = 1 << 0,
         SV_QUEUE_HOST = 1 << 1,
         SV_FEATURE_SCANNED = 1 << 0,

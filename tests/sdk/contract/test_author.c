@@ -256,8 +256,8 @@ static void bad_frames_and_results(void **state) {
     float wide[HEIGHT][WIDTH + 2];
     sv_scanned ranges[RAYS] = {{0, SLICES}};
     activate(s);
-    sv_frame frame = {.size = sizeof frame, .flags = 2};
-    refused(s, s->p->begin(s->p, &frame), SV_ERR_ARGUMENT, "flags is 0x2");
+    sv_frame frame = {.size = sizeof frame, .flags = 4};
+    refused(s, s->p->begin(s->p, &frame), SV_ERR_ARGUMENT, "flags is 0x4");
     frame = (sv_frame){.size = sizeof frame, .scanned = ranges};
     refused(s, s->p->begin(s->p, &frame), SV_ERR_ARGUMENT,
             "1 of scanned and scanned_object given, expected 0");

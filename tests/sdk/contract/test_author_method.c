@@ -263,25 +263,37 @@ static void voxels_and_ranges(void **state) {
  * feature a wrong rotation is refused; without it the fields are ignored. */
 static void where_the_probe_is(void **state) {
     (void)state;
+#define STRAIGHT .probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .probe_side = { 0, 0, -1 }
+#define TURNED   .probe_side = {1, 0, 0}, .probe_rotation
+#define FAN      STRAIGHT, .beams = SV_BEAMS_FAN
     static const struct {
-        float rotation[9], side[3];
         const char *wrong; /* NULL: it may be */
+        sv_frame frame;
     } told[] = {
-        {{0}, {0}, NULL},
-        {{0}, {0, -1, 0}, NULL},
-        {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, NULL},
-        {{0, 0, -1, 0, 1, 0, 1, 0, 0}, {1, 0, 0}, NULL},
-        {{0, 0, 1, 0, 1, 0, -1, 0, 0},
-         {1, 0, 0},
-         "probe_side is 1 0 0, expected the opposite of the rotation's"},
-        {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0}, "probe_side is 0 0 0, expected the opposite"},
-        {{1, 0, 0, 0, 1, 0, 0, 0, -1},
-         {0, 0, 1},
-         "probe_rotation is 1 0 0, 0 1 0, 0 0 -1, expected a rotation"},
-        {{2, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, "probe_rotation is 2 0 0"},
-        {{NAN, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, "probe_rotation is nan 0 0"},
-        {{0}, {0, 0, INFINITY}, "probe_side is 0 0 inf, expected a unit vector or zeros"},
-        {{0}, {0, 0.5f, 0}, "probe_side is 0 0.5 0, expected a unit vector or zeros"},
+        {NULL, {.probe_side = {0}}},
+        {NULL, {.probe_side = {0, -1, 0}}},
+        {NULL, {STRAIGHT}},
+        {NULL, {TURNED = {0, 0, -1, 0, 1, 0, 1, 0, 0}}},
+        {"probe_side is 1 0 0, expected the opposite of the rotation's",
+         {TURNED = {0, 0, 1, 0, 1, 0, -1, 0, 0}}},
+        {"probe_side is 0 0 0, expected the opposite", {.probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}}},
+        {"probe_rotation is 1 0 0, 0 1 0, 0 0 -1, expected a rotation",
+         {TURNED = {1, 0, 0, 0, 1, 0, 0, 0, -1}}},
+        {"probe_rotation is 2 0 0", {TURNED = {2, 0, 0, 0, 1, 0, 0, 0, 1}}},
+        {"probe_rotation is nan 0 0", {TURNED = {NAN, 0, 0, 0, 1, 0, 0, 0, 1}}},
+        {"probe_side is 0 0 inf, expected a unit vector or zeros", {.probe_side = {0, 0, INFINITY}}},
+        {"probe_side is 0 0.5 0, expected a unit vector or zeros", {.probe_side = {0, 0.5f, 0}}},
+        {NULL, {STRAIGHT, .beams = SV_BEAMS_PARALLEL, .flags = SV_FRAME_SAME_VOLUME}},
+        {NULL, {FAN}},
+        {NULL, {FAN, .beam_apex_mm = {40, 40, -57}, .beam_sweep_mm = 1e5f}},
+        {"flags is 0x3, only 0x1 or 0x2", {STRAIGHT, .flags = 3}},
+        {"beams is 1 without probe_rotation", {.beams = SV_BEAMS_PARALLEL, .probe_side = {0, 0, -1}}},
+        {"beams is 3, expected 0 to 2", {STRAIGHT, .beams = 3}},
+        {"reserved_beams is 7, expected 0", {FAN, .reserved_beams = 7}},
+        {"beam_sweep_mm 2, expected 0 where", {STRAIGHT, .beams = SV_BEAMS_PARALLEL, .beam_sweep_mm = 2}},
+        {"beam_apex_mm is 0 nan 0", {FAN, .beam_apex_mm = {0, NAN}}},
+        {"-inf, expected -100000 to 100000", {FAN, .beam_sweep_mm = -INFINITY}},
+        {"beam_apex_mm is 0 0 -100001", {FAN, .beam_apex_mm = {0, 0, -100001}}},
     };
     for (uint32_t features = 0; features <= SV_FEATURE_PROBE; features += SV_FEATURE_PROBE) {
         const sv_descriptor descriptor = SVA_DESCRIPTOR("test.own", "Own", "Test", "1", "Reads.", features);
@@ -292,13 +304,14 @@ static void where_the_probe_is(void **state) {
         const sv_format format = small_format();
         assert_int_equal(p->activate(p, &format), SV_OK);
         for (size_t n = 0; n < sizeof told / sizeof *told; n++) {
-            sv_frame frame = {.size = sizeof frame};
-            memcpy(frame.probe_rotation, told[n].rotation, sizeof told[n].rotation);
-            memcpy(frame.probe_side, told[n].side, sizeof told[n].side);
-            const int refused = features && told[n].wrong;
+            sv_frame frame = told[n].frame;
+            frame.size = sizeof frame;
+            const int refused = features ? told[n].wrong != NULL : frame.flags != 0;
             assert_int_equal(p->begin(p, &frame), refused ? SV_ERR_ARGUMENT : SV_OK);
-            if (refused && !strstr(p->last_error(p), told[n].wrong)) fail_msg("'%s'", p->last_error(p));
+            if (refused && !strstr(p->last_error(p), features ? told[n].wrong : "only 0x1 is known"))
+                fail_msg("'%s'", p->last_error(p));
             frame.size = SV_FRAME_SIZE_1_0;
+            frame.flags = 0;
             assert_int_equal(p->begin(p, &frame), SV_OK);
             for (int k = 0; k < 9; k++) assert_true(a->frame.probe_rotation[k] == 0.0f);
         }

@@ -237,6 +237,10 @@ static void unknown_ids_and_flags(void **state) {
     const sv_frame sideways = {.size = sizeof sideways, .probe_side = {0, 2, 0}};
     fixture_refused(f, p->begin(p, &sideways), SV_ERR_ARGUMENT,
                     "probe_side is 0 2 0, expected a unit vector");
+    const sv_frame nowhere = {.size = sizeof nowhere, .beams = SV_BEAMS_PARALLEL};
+    fixture_refused(f, p->begin(p, &nowhere), SV_ERR_ARGUMENT, "beams is 1 without probe_rotation");
+    const sv_frame both = {.size = sizeof both, .flags = SV_FRAME_SAME_VOLUME | SV_FRAME_DISCONTINUITY};
+    fixture_refused(f, p->begin(p, &both), SV_ERR_ARGUMENT, "flags is 0x3");
     fixture_frame_is_good(f);
 }
 

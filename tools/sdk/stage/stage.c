@@ -204,16 +204,15 @@ sv_slab stage_slab(const stage *st, uint32_t n) {
 }
 
 sv_frame stage_frame(const stage *st, const sv_param_value *values, uint32_t count) {
-    sv_frame frame = {.size = st->frame_size ? st->frame_size : sizeof frame,
-                      .flags = st->frame_flags,
-                      .index = 1,
-                      .values = values,
-                      .value_count = count,
-                      .scanned = st->ranges_object ? NULL : st->ranges,
-                      .scanned_object = st->ranges_object,
-                      .scanned_offset = st->ranges_object ? RANGES_OFFSET : 0};
-    memcpy(frame.probe_rotation, st->probe_rotation, sizeof frame.probe_rotation);
-    memcpy(frame.probe_side, st->probe_side, sizeof frame.probe_side);
+    sv_frame frame = st->told;
+    frame.size = st->frame_size ? st->frame_size : sizeof frame;
+    frame.flags = st->frame_flags;
+    frame.index = 1;
+    frame.values = values;
+    frame.value_count = count;
+    frame.scanned = st->ranges_object ? NULL : st->ranges;
+    frame.scanned_object = st->ranges_object;
+    frame.scanned_offset = st->ranges_object ? RANGES_OFFSET : 0;
     return frame;
 }
 

@@ -58,10 +58,10 @@ typedef struct stage {
     uint8_t *pages, *memory[STAGE_MAX_SLABS]; /* the slabs' textures, in one mapping */
     size_t page_bytes;
     cl_mem objects[STAGE_MAX_SLABS];
-    float probe_rotation[9], probe_side[3]; /* of every frame; zeros at first */
-    uint32_t frame_size;                    /* of its struct; 0: all of it */
-    uint32_t frame_flags;                   /* SV_FRAME_DISCONTINUITY at first */
-    sv_scanned *ranges;                     /* as they are handed over */
+    sv_frame told;        /* what every frame tells of probe and beams; zeros at first */
+    uint32_t frame_size;  /* of its struct; 0: all of it */
+    uint32_t frame_flags; /* SV_FRAME_DISCONTINUITY at first */
+    sv_scanned *ranges;   /* as they are handed over */
     cl_mem ranges_object;
 
     uint8_t *results; /* one block: guard, map, guard, status map, guard, statistics, guard */

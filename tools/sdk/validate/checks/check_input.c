@@ -3,6 +3,7 @@
 #include "validate/checks/check.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -185,63 +186,82 @@ void check_padding_value(v_run *run) {
 }
 
 /* ---- the probe */
-/* A frame that says this of the probe: NULL is that it says nothing. */
-static void probe_frame(v_rig *r, const float *rotation, const float *side, v_map *map) {
-    memset(r->stage.probe_rotation, 0, sizeof r->stage.probe_rotation);
-    memset(r->stage.probe_side, 0, sizeof r->stage.probe_side);
-    if (rotation) memcpy(r->stage.probe_rotation, rotation, sizeof r->stage.probe_rotation);
-    if (side) memcpy(r->stage.probe_side, side, sizeof r->stage.probe_side);
+#define STRAIGHT .probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .probe_side = {0, 0, -1}
+
+/* A frame that says this of the probe and its beams; NULL: nothing. */
+static void probe_frame(v_rig *r, const sv_frame *told, v_map *map) {
+    r->stage.told = told ? *told : (sv_frame){0};
+    r->stage.frame_flags = told ? told->flags : SV_FRAME_DISCONTINUITY;
     v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, map);
 }
 
 /* The frames of hosts of 1.0 end before the fields. */
 static void old_frame_says_nothing(v_rig *r, const v_map *plain) {
     v_map map;
-    const float nothing[9] = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    sv_frame nothing = {.flags = SV_FRAME_DISCONTINUITY};
+    memset(nothing.probe_rotation, 0xff, sizeof nothing - offsetof(sv_frame, probe_rotation));
     r->stage.frame_size = SV_FRAME_SIZE_1_0;
-    probe_frame(r, nothing, nothing, &map);
+    probe_frame(r, &nothing, &map);
     r->stage.frame_size = 0;
     v_map_expect(r->s.run, plain, &map, "what lies behind the sv_frame of a host of 1.0 counts");
 }
 
+static void probe_is_refused(v_rig *r, const sv_frame *told) {
+    r->stage.told = *told;
+    r->stage.frame_flags = told->flags;
+    const sv_status status = v_begin(r->s.plugin, &r->stage, NULL, 0);
+    V_EXPECT(
+        r->s.run, status == SV_ERR_ARGUMENT,
+        "begin with probe_rotation %g %g %g, ..., probe_side %g %g %g, beams %u, beam_sweep_mm %g, flags "
+        "0x%x: %s, expected SV_ERR_ARGUMENT",
+        (double)told->probe_rotation[0], (double)told->probe_rotation[1], (double)told->probe_rotation[2],
+        (double)told->probe_side[0], (double)told->probe_side[1], (double)told->probe_side[2], told->beams,
+        (double)told->beam_sweep_mm, told->flags, v_status(status));
+}
+
 void check_probe(v_run *run) {
-    static const struct {
-        float rotation[9], side[3];
-        bool holds;
-    } told[] = {{{0}, {0, -1, 0}, true},
-                {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, true},
-                {{0, 0, -1, 0, 1, 0, 1, 0, 0}, {1, 0, 0}, true},
-                {{0, 0, 1, 0, 1, 0, -1, 0, 0}, {1, 0, 0}, false}, /* transposed */
-                {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0}, false},
-                {{1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, 0, 1}, false},
-                {{NAN, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, -1}, false},
-                {{0}, {0, 2, 0}, false}};
+    static const sv_frame holds[] = {
+        {.probe_side = {0, -1, 0}},
+        {STRAIGHT},
+        {.probe_rotation = {0, 0, -1, 0, 1, 0, 1, 0, 0}, .probe_side = {1, 0, 0}},
+        {STRAIGHT, .beams = SV_BEAMS_PARALLEL},
+        {STRAIGHT, .beams = SV_BEAMS_FAN, .beam_apex_mm = {9, 9, -40}, .beam_sweep_mm = 23},
+        {STRAIGHT, .beams = SV_BEAMS_FAN, .beam_apex_mm = {9, 9, -40}, .beam_sweep_mm = -100000}};
+    static const sv_frame breaks[] = {
+        {.probe_rotation = {0, 0, 1, 0, 1, 0, -1, 0, 0}, .probe_side = {1, 0, 0}}, /* transposed */
+        {.probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}},
+        {.probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, -1}, .probe_side = {0, 0, 1}},
+        {.probe_rotation = {NAN, 0, 0, 0, 1, 0, 0, 0, 1}, .probe_side = {0, 0, -1}},
+        {.probe_side = {0, 2, 0}},
+        {.beams = SV_BEAMS_PARALLEL},
+        {STRAIGHT, .beams = SV_BEAMS_FAN + 1},
+        {STRAIGHT, .beams = SV_BEAMS_PARALLEL, .reserved_beams = 1},
+        {STRAIGHT, .beams = SV_BEAMS_FAN, .beam_apex_mm = {0, NAN, 0}},
+        {STRAIGHT, .beams = SV_BEAMS_FAN, .beam_sweep_mm = INFINITY}};
     v_rig r;
     v_map plain, map;
     v_rig_standard(run, &r);
     const bool heeds = (r.s.descriptor->features & SV_FEATURE_PROBE) != 0;
-    probe_frame(&r, NULL, NULL, &plain);
+    probe_frame(&r, NULL, &plain);
     old_frame_says_nothing(&r, &plain);
-    for (size_t n = 0; n < sizeof told / sizeof *told; n++) {
-        if (told[n].holds || !heeds) {
-            probe_frame(&r, told[n].rotation, told[n].side, &map);
-            if (!heeds)
-                v_map_expect(run, &plain, &map,
-                             "the probe shows, and the descriptor has no SV_FEATURE_PROBE");
-            else
-                v_map_free(&map);
-            continue;
-        }
-        memcpy(r.stage.probe_rotation, told[n].rotation, sizeof told[n].rotation);
-        memcpy(r.stage.probe_side, told[n].side, sizeof told[n].side);
-        const sv_status status = v_begin(r.s.plugin, &r.stage, NULL, 0);
-        V_EXPECT(
-            run, status == SV_ERR_ARGUMENT,
-            "begin with probe_rotation %g %g %g, ... and probe_side %g %g %g: %s, expected SV_ERR_ARGUMENT",
-            (double)told[n].rotation[0], (double)told[n].rotation[1], (double)told[n].rotation[2],
-            (double)told[n].side[0], (double)told[n].side[1], (double)told[n].side[2], v_status(status));
+    for (size_t n = 0; n < sizeof holds / sizeof *holds; n++) {
+        sv_frame told = holds[n];
+        told.flags = SV_FRAME_DISCONTINUITY;
+        probe_frame(&r, &told, &map);
+        if (heeds)
+            v_map_free(&map);
+        else
+            v_map_expect(run, &plain, &map, "the probe shows, and the descriptor has no SV_FEATURE_PROBE");
     }
-    probe_frame(&r, NULL, NULL, &map);
+    for (size_t n = 0; heeds && n < sizeof breaks / sizeof *breaks; n++) probe_is_refused(&r, &breaks[n]);
+    sv_frame same = {.flags = SV_FRAME_SAME_VOLUME};
+    if (heeds) {
+        probe_frame(&r, &same, &map);
+        v_map_free(&map);
+        same.flags |= SV_FRAME_DISCONTINUITY;
+    }
+    probe_is_refused(&r, &same); /* both flags, or one that the plugin does not know */
+    probe_frame(&r, NULL, &map);
     v_map_expect(run, &plain, &map,
                  "where an earlier frame's probe was shows in a frame that does not say it");
     v_map_free(&plain);
