@@ -196,9 +196,7 @@ typedef struct {
     hs_eval_tally of[BLOCKS][HS_EVAL_MAX_LINE][2]; /* by block and map; sac, fetus */
 } job;
 
-void hs_eval_count(hs_eval_tally by_label[2], uint8_t label, int32_t e, bool occluded, uint32_t tolerance) {
-    if (label == HS_LABEL_NEITHER) return;
-    hs_eval_tally *const t = &by_label[label == HS_LABEL_FETUS];
+static inline void count_error(hs_eval_tally *t, int32_t e, uint32_t occluded, uint32_t tolerance) {
     const uint32_t too_early = e > 0 ? (uint32_t)e : 0u, too_late = e < 0 ? (uint32_t)-e : 0u;
     t->rays++;
     t->positive += too_early != 0;
@@ -210,18 +208,30 @@ void hs_eval_count(hs_eval_tally by_label[2], uint8_t label, int32_t e, bool occ
     t->left += occluded & (too_early > tolerance);
 }
 
-static void count_block(void *context, uint32_t block) {
-    job *j = context;
+void hs_eval_count(hs_eval_tally by_label[2], uint8_t label, int32_t e, bool occluded, uint32_t tolerance) {
+    if (label != HS_LABEL_NEITHER) count_error(&by_label[label == HS_LABEL_FETUS], e, occluded, tolerance);
+}
+
+/* Rays `from` .. `to` - 1, which have one label, for map i. */
+static hs_eval_tally count_rays(const job *j, uint32_t from, uint32_t to, uint32_t i) {
     const hs_eval_table *t = j->table;
-    const uint32_t first = (uint32_t)((uint64_t)t->count * block / j->blocks);
-    const uint32_t end = (uint32_t)((uint64_t)t->count * (block + 1) / j->blocks);
-    for (uint32_t r = first; r < end; r++) {
+    hs_eval_tally own = {0};
+    for (uint32_t r = from; r < to; r++) {
         const float zero = j->zero ? j->zero[t->pixel[r]] : 0.0f;
         const float slope = j->zero ? j->one[t->pixel[r]] - zero : 0.0f;
-        const uint8_t label = r < t->first_fetus ? HS_LABEL_SAC : HS_LABEL_FETUS;
-        for (uint32_t i = 0; i < j->count; i++)
-            hs_eval_count(j->of[block][i], label, error_at(t, r, zero + j->weight[i] * slope),
-                          t->is_occluded[r], HS_EVAL_TOLERANCE);
+        count_error(&own, error_at(t, r, zero + j->weight[i] * slope), t->is_occluded[r], HS_EVAL_TOLERANCE);
+    }
+    return own;
+}
+
+static void count_block(void *context, uint32_t block) {
+    job *j = context;
+    const uint32_t first = (uint32_t)((uint64_t)j->table->count * block / j->blocks);
+    const uint32_t end = (uint32_t)((uint64_t)j->table->count * (block + 1) / j->blocks);
+    const uint32_t fetus = j->table->first_fetus, parted = fetus < first ? first : fetus < end ? fetus : end;
+    for (uint32_t i = 0; i < j->count; i++) { /* the outer loop: a tally stays in registers */
+        j->of[block][i][0] = count_rays(j, first, parted, i);
+        j->of[block][i][1] = count_rays(j, parted, end, i);
     }
 }
 
