@@ -195,9 +195,17 @@ sites: setup # methods on scenes and on SITES: table, harm, near fields, flicker
 	build/sv_judge flicker
 	$(if $(SITES),build/sv_judge reverse $(CHOICE) $(FOREIGN))
 
-surface-page: setup # method wall on scenes and on SITES in pictures: out/sites/index.html
-	@$(call build,build,,sv_judge smartvis)
-	build/sv_judge page --scenes 201,0 $(FOREIGN) --method method=wall --out $(OUT)/sites
+# A case of a site: its three files, and what was scanned of every ray, of the case or of all.
+stem = $(patsubst %_full.mha,%,$(1))
+comma := ,
+scanned = $(comma)$(firstword $(wildcard $(call stem,$(1))_$(2).mha $(dir $(1))scan_$(2).mha))
+site_case = --case $(1),$(call stem,$(1))_truth.mha,$(call stem,$(1))_label.mha$(call scanned,$(1),first)$(call scanned,$(1),end)
+draw = build/host_sim report --lowres 128 --coarse --frames 0 --out $(OUT)/sites/$(1)
+
+surface-page: setup # method wall on scenes and on SITES in pictures: out/sites/scenes/index.html, out/sites/SITE/index.html
+	@$(call build,build,,host_sim smartvis)
+	$(call draw,scenes) --size 128
+	$(foreach site,$(SITES),$(call draw,$(notdir $(site))) $(foreach full,$(wildcard $(site)/*_full.mha),$(call site_case,$(full))) &&) true
 
 validate: setup ## tries PLUGIN (build/smartvis.so) with every check of build/sv_validate
 	@$(call build,build,,sv_validate smartvis)

@@ -3,7 +3,6 @@
 
 #include "loop/loop_state.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,12 +75,14 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Sorts in place. The median of an even count is the mean of the middle two. */
-static hs_timing summarise(double *ms, uint32_t count) {
+hs_timing hs_timing_of(double *ms, uint32_t count) {
+    if (count == 0) return (hs_timing){0};
     qsort(ms, count, sizeof *ms, ascending);
-    const double median = count % 2 ? ms[count / 2] : 0.5 * (ms[count / 2 - 1] + ms[count / 2]);
-    const uint32_t rank = (uint32_t)ceil(0.95 * count);
-    return (hs_timing){.median = median, .p95 = ms[rank - 1]};
+    return (hs_timing){.min = ms[0],
+                       .median = 0.5 * (ms[(count - 1) / 2] + ms[count / 2]),
+                       .p95 = ms[(count * 95 + 99) / 100 - 1],
+                       .p99 = ms[(count * 99 + 99) / 100 - 1],
+                       .max = ms[count - 1]};
 }
 
 static void count_outcome(hs_loop_result *result, const hs_frame *frame) {
@@ -117,11 +118,11 @@ static bool measure_plugin_stages(hs_loop *loop, hs_loop_result *result, hs_erro
     if (!ok || got == 0) return ok;
     result->has_plugin_stages = true;
     result->plugin_stages = (sv_stage_times){.size = sizeof result->plugin_stages,
-                                             .transfer_ms = summarise(ms[0], got).median,
-                                             .profile_ms = summarise(ms[1], got).median,
-                                             .threshold_ms = summarise(ms[2], got).median,
-                                             .reconstruct_ms = summarise(ms[3], got).median,
-                                             .output_ms = summarise(ms[4], got).median};
+                                             .transfer_ms = hs_timing_of(ms[0], got).median,
+                                             .profile_ms = hs_timing_of(ms[1], got).median,
+                                             .threshold_ms = hs_timing_of(ms[2], got).median,
+                                             .reconstruct_ms = hs_timing_of(ms[3], got).median,
+                                             .output_ms = hs_timing_of(ms[4], got).median};
     return true;
 }
 
@@ -137,7 +138,8 @@ static bool run_frames(hs_loop *loop, double *times, hs_progress *progress, hs_l
         if (result->setting == HS_SETTING_SMARTVIS) count_outcome(result, &frame);
         if (progress) hs_progress_step(progress, i + 1u);
     }
-    for (int s = 0; s < HS_STAGE_COUNT; s++) result->stage[s] = summarise(times + (size_t)s * frames, frames);
+    for (int s = 0; s < HS_STAGE_COUNT; s++)
+        result->stage[s] = hs_timing_of(times + (size_t)s * frames, frames);
     return true;
 }
 

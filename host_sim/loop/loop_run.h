@@ -32,10 +32,13 @@ bool hs_loop_ray_ends_in(hs_loop *loop, uint32_t index, const hs_volume *other, 
 /* Steps of a ray of frame `index` that crosses the whole box. */
 uint32_t hs_loop_ray_steps(const hs_loop *loop, uint32_t index);
 
-/* Median and 95th percentile (nearest rank) in ms. */
+/* Of a duration's samples, milliseconds; p95, p99: nearest rank. */
 typedef struct {
-    double median, p95;
+    double min, median, p95, p99, max;
 } hs_timing;
+
+/* Sorts the samples. The median of an even count is the mean of the middle two; zeros without samples. */
+hs_timing hs_timing_of(double *ms, uint32_t count);
 
 /* One setting over all frames. */
 typedef struct {

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "guarded/guard_options.h"
+#include "loop/loop_run.h"
 #include "loop/slabs.h"
 #include "plugin/loader.h"
 #include "render/host_cl.h"
@@ -46,13 +47,8 @@ bool bench_samples_create(bench_samples *samples, uint32_t capacity, hs_error *e
 void bench_samples_add(bench_samples *samples, double ms);
 void bench_samples_destroy(bench_samples *samples);
 
-/* Times in milliseconds; zeros without samples. */
-typedef struct {
-    double min, median, p95, p99, max; /* p95, p99: nearest rank */
-} bench_times;
-
-/* Median, percentiles and ends. Sorts the samples. */
-bench_times bench_samples_times(bench_samples *samples);
+/* Sorts the samples. */
+hs_timing bench_samples_times(const bench_samples *samples);
 
 /* ------------------------------------------------------------------------------------------------ team -- */
 /* Two persistent threads, the caller and one more, for the C side of the benchmark. */

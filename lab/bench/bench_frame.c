@@ -54,9 +54,9 @@ typedef struct {
 
 /* By camera and way. Milliseconds of frames in turns. */
 typedef struct {
-    hs_slab_layout layout[CAMERAS];                            /* of all ways but the first */
-    bench_times wall[CAMERAS][WAYS], processor[CAMERAS][WAYS]; /* processor: of all threads */
-    bench_times command[CAMERAS];                              /* one that does nothing */
+    hs_slab_layout layout[CAMERAS];                          /* of all ways but the first */
+    hs_timing wall[CAMERAS][WAYS], processor[CAMERAS][WAYS]; /* processor: of all threads */
+    hs_timing command[CAMERAS];                              /* one that does nothing */
 } result;
 
 /* Whether the way takes the loop of the one before it. */
@@ -215,7 +215,7 @@ static void print(const result *r) {
         printf("%-58s | %8s %8s %8s %8s | %9s %8s %8s\n", "", "wall", "min", "p95", "more", "processor",
                "min", "more");
         for (int w = 0; w < WAYS; w++) {
-            const bench_times *t = &r->wall[c][w], *p = &r->processor[c][w];
+            const hs_timing *t = &r->wall[c][w], *p = &r->processor[c][w];
             printf("%-58s | %8.2f %8.2f %8.2f %+8.2f | %9.2f %8.2f %+8.2f\n", ways[w].label, t->median,
                    t->min, t->p95, w ? t->median - t[-1].median : 0.0, p->median, p->min,
                    w ? p->median - p[-1].median : 0.0);

@@ -71,16 +71,6 @@ void bench_samples_destroy(bench_samples *samples) {
     *samples = (bench_samples){0};
 }
 
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-bench_times bench_samples_times(bench_samples *samples) {
-    const uint32_t n = samples->count;
-    if (n == 0) return (bench_times){0};
-    qsort(samples->ms, n, sizeof(double), compare);
-    const double median = (samples->ms[(n - 1) / 2] + samples->ms[n / 2]) / 2.0;
-    return (bench_times){samples->ms[0], median, samples->ms[(n * 95 + 99) / 100 - 1],
-                         samples->ms[(n * 99 + 99) / 100 - 1], samples->ms[n - 1]};
+hs_timing bench_samples_times(const bench_samples *samples) {
+    return hs_timing_of(samples->ms, samples->count);
 }

@@ -23,7 +23,7 @@ static double limit_of(const char *name, uint32_t n) {
 }
 
 static void print_line(const bench_plugin_result *r) {
-    const bench_times *t = &r->times[BENCH_FRAME];
+    const hs_timing *t = &r->times[BENCH_FRAME];
     const double limit = limit_of(r->method, r->variant.n);
     const double n = r->variant.n;
     printf("%4u %-34s %4u | %7.3f %7.3f %7.3f %8.3f %8.2f | %8.3f %9.3f %11.3f | ", r->variant.n,
@@ -56,7 +56,7 @@ void bench_print_worst(const bench_report *report) {
            "slabs", "of", "frames", "min", "p50", "p99", "max");
     for (uint32_t i = 0; i < report->plugin_count; i++) {
         const bench_plugin_result *r = &report->plugin[i];
-        const bench_times *t = &r->times[BENCH_FRAME];
+        const hs_timing *t = &r->times[BENCH_FRAME];
         printf("%4u %-34s %4u %7u | %7.2f %7.2f %7.2f %7.2f\n", r->variant.n,
                bench_route_label(r->variant.route), r->variant.slab_slices, r->frames, t->min, t->median,
                t->p99, t->max);
@@ -82,7 +82,7 @@ static double ratio(double a, double b) {
 }
 
 void bench_print_plugin(const bench_plugin_result *r) {
-    const bench_times *t = r->times, *frame = &t[BENCH_FRAME], *plain = &t[BENCH_PLAIN];
+    const hs_timing *t = r->times, *frame = &t[BENCH_FRAME], *plain = &t[BENCH_PLAIN];
     printf("%-34s %4u | %6.3f | %7.3f %7.3f | %7.3f %7.3f %7.3f | %5.1f %5.2f (%5.2f) | %6.3f %6.3f %7.3f "
            "%6.3f\n",
            bench_route_label(r->variant.route), r->variant.slab_slices, t[BENCH_READ].median, plain->median,
@@ -127,7 +127,7 @@ static void print_limit(const bench_report *report, const bench_method *method, 
 }
 
 static void print_ratio(const bench_plugin_result *r, const char *what) {
-    const bench_times *frame = &r->times[BENCH_FRAME], *plain = &r->times[BENCH_PLAIN];
+    const hs_timing *frame = &r->times[BENCH_FRAME], *plain = &r->times[BENCH_PLAIN];
     const double medians = ratio(frame->median, plain->median), minima = ratio(frame->min, plain->min);
     printf("%4u^3, %-6s slabs of %3u, %-34s at most %.0f x plain C: %5.2f x (%5.2f x)  %s\n", r->variant.n,
            what, r->variant.slab_slices, bench_route_label(r->variant.route), BENCH_TARGET_RATIO, medians,

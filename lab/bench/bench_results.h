@@ -50,8 +50,8 @@ typedef struct {
     bench_variant variant;
     const char *method; /* "mean" is what plain C computes; others are timed without it (BENCH_PLAIN is 0) */
     uint32_t frames;
-    bench_times times[BENCH_PARTS];
-    bench_times processor; /* of a frame, all threads */
+    hs_timing times[BENCH_PARTS];
+    hs_timing processor; /* of a frame, all threads */
     sv_stats stats;
     sv_points_report points; /* size 0: the plugin does not tell */
     double difference;       /* largest of the plugin's depths from plain C's, slices */

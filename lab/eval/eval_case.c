@@ -350,11 +350,6 @@ bool hs_eval_case_measure(hs_eval_case *c, const hs_eval_values *values, const h
     return true;
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 bool hs_eval_case_time(hs_eval_case *c, const hs_eval_values *values, uint32_t repeats, double *ms,
                        hs_error *err) {
     double times[MAX_REPEATS];
@@ -365,8 +360,7 @@ bool hs_eval_case_time(hs_eval_case *c, const hs_eval_values *values, uint32_t r
         if (!run_frame(c, values, &frame, NULL, err)) return false;
         times[i] = (hs_now() - start) * 1e3;
     }
-    qsort(times, repeats, sizeof times[0], ascending);
-    *ms = times[repeats / 2];
+    *ms = hs_timing_of(times, repeats).median;
     return true;
 }
 

@@ -318,23 +318,6 @@ double *wall_constant_of(sv_wall_settings *s, wall_constant constant);
  * those of the constants as they are. Needs two sets at least. */
 bool site_reverse(const site_list *list, uint32_t rounds, hs_error *err);
 
-/* ------------------------------------------------------------------------------------------------ page -- */
-/* One page with a method on every case in pictures, and on volumes that nothing hides. */
-
-/* What the page shows. Borrowed. */
-typedef struct {
-    const site_list *sites;
-    const char *const *volumes; /* MetaImage files that nothing hides */
-    uint32_t volume_count;
-    const char *plugin, *settings; /* "key=value", parted by spaces */
-    const char *out;               /* folder: index.html, and a folder of pictures per case */
-} site_page;
-
-/* For every case: full volume, result and truth, drawn in light; slices with the surface, its confidence, and
- * the error of every ray. Then the first case of every site bare, without a fetus and with a bladder, and
- * three views of every volume. */
-bool site_page_write(const site_page *page, hs_error *err);
-
 /* -------------------------------------------------------------------------------------------- commands -- */
 
 /* What the definition of wall is given: other constants, other grey levels 255 (level / 255)^gamma * gain +
@@ -363,7 +346,6 @@ typedef struct {
     const char *still; /* NULL: not asked for */
     uint64_t still_seed;
     uint32_t still_pose;
-    const char *out;
     bool help;
 } judge_request;
 

@@ -26,16 +26,6 @@ static bool judge_flicker(judge_request *r, hs_error *err) {
     return site_flicker(&r->sites, &r->methods, err);
 }
 
-static bool write_page(judge_request *r, hs_error *err) {
-    const site_page page = {.sites = &r->sites,
-                            .volumes = r->volumes,
-                            .volume_count = r->volume_count,
-                            .plugin = r->methods.plugin,
-                            .settings = r->methods.method[r->methods.count - 1].settings,
-                            .out = r->out};
-    return site_page_write(&page, err);
-}
-
 static const struct command {
     const char *name;
     bool (*run)(judge_request *r, hs_error *err);
@@ -49,8 +39,6 @@ static const struct command {
     {"flicker", judge_flicker, false,
      "what the renderings of four moving scenes, or of the frames given by --case, flicker beyond the "
      "truth's"},
-    {"page", write_page, true,
-     "every case in pictures, with bare ones and views of the volumes, on one page"},
     {"wall", judge_wall, false,
      "the definition of wall with any of its constants changed (--set); what it knows of a case"},
     {"reverse", choose_constants, true,
@@ -135,11 +123,11 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_site},
     {"case", "FILES", "FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all are one site\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_case},
-    {"volume", "FILE", "harm, page, wall: a volume that nothing hides, MetaImage\n", HS_OPTION_TAKEN, 0, 0, 0,
+    {"volume", "FILE", "harm, wall: a volume that nothing hides, MetaImage\n", HS_OPTION_TAKEN, 0, 0, 0,
      take_volume},
     {"method", "SETTINGS",
      "'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q\n"
-     "[best method=mean; method=wall]; page: the last of them\n",
+     "[best method=mean; method=wall]\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_method},
     {"set", "KEY=VALUE",
      "wall: another value of a constant, a field of sv_wall_settings; or gain, gamma, black:\n"
@@ -156,8 +144,6 @@ static const hs_option options[] = {
      100, NULL},
     {"plugin", "PATH", "library to judge [the build's smartvis.so]\n", HS_OPTION_TEXT, AT(methods.plugin), 0,
      0, NULL},
-    {"out", "FOLDER", "page: where it goes [out/sites]\n", HS_OPTION_TEXT, AT(out), 0, 0, NULL},
-
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
 
@@ -194,8 +180,7 @@ static bool parse(int argc, char **argv, judge_request *r, hs_error *err) {
 }
 
 int main(int argc, char **argv) {
-    judge_request r = {
-        .methods = {.plugin = SURF_PLUGIN}, .wall = wall_change_none(), .rounds = 4, .out = "out/sites"};
+    judge_request r = {.methods = {.plugin = SURF_PLUGIN}, .wall = wall_change_none(), .rounds = 4};
     hs_error err = {0};
     bool ok = parse(argc, argv, &r, &err);
     if (ok && r.help)

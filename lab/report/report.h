@@ -121,11 +121,6 @@ void hs_eval_compare_print(const hs_eval_comparison *x, FILE *out);
 /* "compare.csv" in the comparison's folder, a row a method, case and seed. HS_ERR_OUTPUT names the path. */
 bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err);
 
-/* --------------------------------------------------------------------------------------------- drawing -- */
-/* What the pictures of a case are drawn with: loops over its volume, and files in its folder. */
-
-#define HS_EVAL_ERROR_LIMIT 40.0f /* steps: where the colours of the error picture end */
-
 /* -------------------------------------------------------------------------------------------- pictures -- */
 /* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figures 5.19 - 5.21). */
 
@@ -173,9 +168,6 @@ void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study);
 
 /* Nothing if no speed was measured. */
 void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study);
-
-/* What the colours of error pictures mean, and of confidence pictures. */
-void hs_eval_page_legends(hs_page *report, bool with_confidence);
 
 /* ------------------------------------------------------------------------------------- page of a study -- */
 /* The page of a study: tables, figures and every case in pictures. */

@@ -78,7 +78,7 @@ static void put_plain_case(hs_page *report, const hs_eval_study *study, uint32_t
                    percent(row[HS_PLAIN_CUT], cut), percent(row[HS_PLAIN_LEFT], left));
     hs_page_small_row_begin(report);
     hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
-    hs_eval_page_show(report, study, index, "plain.png", "rendering of the result", caption);
+    hs_eval_page_show(report, study, index, "result.png", "rendering of the result", caption);
     hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth",
                       hs_page_truth_caption(r->truth_cut));
     hs_page_row_end(report);
@@ -86,11 +86,21 @@ static void put_plain_case(hs_page *report, const hs_eval_study *study, uint32_t
 }
 
 static void put_plain_details(hs_page *report, const hs_eval_study *study, uint32_t index) {
-    hs_page_fold_begin(report, "Error of every ray, and the plugin's confidence");
-    hs_page_small_row_begin(report);
-    hs_eval_page_show(report, study, index, "plain_error.png", "error of every ray", "Error");
+    const bool clipped = hs_outcome_clips(study->plain.outcome[index]);
+    hs_page_fold_begin(report, "How it was found, the error of every ray, and the plugin's confidence");
+    hs_page_wide_row_begin(report);
+    hs_eval_page_show(report, study, index, "slices.png", "the result beside three slices",
+                      hs_page_slices_caption(clipped));
+    hs_page_row_end(report);
+    hs_page_wide_row_begin(report);
+    hs_eval_page_show(report, study, index, "error.png",
+                      "error per ray, blue where the fetus is cut, red where an occluder is left",
+                      "Error: blue, the fetus is cut; red, an occluder is left; grey, not evaluated");
+    hs_eval_page_show(report, study, index, "depthmap.png", "the clipping depthmap in false colour",
+                      "Clipping depthmap: where the rays start, in mm; hatched: nothing is clipped");
     if (study->result[index].sure)
-        hs_eval_page_show(report, study, index, "plain_confidence.png", "confidence", "Confidence");
+        hs_eval_page_show(report, study, index, "confidence.png", "confidence",
+                          "Confidence: how sure the plugin says it is");
     hs_page_row_end(report);
     hs_page_fold_end(report);
 }
@@ -133,15 +143,12 @@ static void put_first(hs_page *report, const hs_eval_study *study) {
     hs_page_contents(report);
     hs_page_heading(report, 2, "As it is");
     put_plain_table(report, study);
-    bool confidence = false;
     for (uint32_t i = 0; i < study->count; i++) {
         hs_page_heading(report, 3, study->space[i].name);
         hs_page_text(report, study->result[i].title);
         if (i > 0) put_plain_case(report, study, i);
         put_plain_details(report, study, i);
-        confidence = confidence || study->result[i].sure;
     }
-    hs_eval_page_legends(report, confidence);
 }
 
 /* ------------------------------------------------------------------------------- what the words mean -- */
@@ -257,22 +264,13 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
     const bool clipped = hs_outcome_clips(study->result[index].shown_outcome);
     hs_page_fold_begin(report, study->space[index].name);
     hs_page_row_begin(report);
-    hs_eval_page_show(report, study, index, "result.png",
-                      clipped ? "rendering clipped at the plugin's depthmap" : "rendering, not clipped",
+    hs_eval_page_show(report, study, index, "common.png", "rendering at the common setting",
                       clipped ? "Result at the common setting" : "Result at the common setting: not clipped");
     put_slider(report, study, index);
     hs_page_row_end(report);
     hs_page_wide_row_begin(report);
-    hs_eval_page_show(report, study, index, "depthmap.png", "the clipping depthmap in false colour",
-                      "Clipping depthmap: where the rays start, in mm; hatched: nothing is clipped");
-    hs_eval_page_show(
-        report, study, index, "error_rays.png",
-        "error per ray, blue where the fetus is cut, red where an occluder is left",
-        "Error, from -40 to 40 steps: blue, the fetus is cut; red, an occluder is left; grey, not evaluated");
-    hs_page_row_end(report);
-    hs_page_wide_row_begin(report);
-    hs_eval_page_show(report, study, index, "slices.png", "the result beside three slices",
-                      hs_page_slices_caption(clipped));
+    hs_eval_page_show(report, study, index, "common_error.png", "error per ray at the common setting",
+                      "Error at the common setting");
     hs_page_row_end(report);
     put_numbers(report, study, index);
     hs_eval_figure_space(report, study, index);

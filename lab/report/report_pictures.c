@@ -2,6 +2,7 @@
 #include "report/report.h"
 
 #include "base/paths.h"
+#include "loop/clipper.h"
 #include "picture/picture.h"
 #include "render/camera.h"
 #include "show/loop_pictures.h"
@@ -15,7 +16,8 @@
 
 /* --------------------------------------------------------------------------------------------- drawing -- */
 
-#define HS_EVAL_PICTURE 256u /* pixels per side on the page */
+#define HS_EVAL_PICTURE 256u  /* pixels per side on the page */
+#define ERROR_LIMIT     40.0f /* steps: where the colours of the error picture end */
 
 /* A loop over a case's volume. The case's own loop must be gone: a plugin's instance serves one at a time. */
 typedef struct {
@@ -31,24 +33,6 @@ static bool hs_eval_save_picture(const hs_picture *picture, const char *folder, 
                                  hs_error *err) {
     char path[PATH_MAX];
     return hs_path_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
-}
-
-/* The errors alone, in the legend's colours: the page sets them beside the renderings. */
-static bool hs_eval_save_errors(const float *error, uint32_t width, uint32_t height, const char *folder,
-                                const char *name, hs_error *err) {
-    const uint32_t side = HS_EVAL_PICTURE;
-    hs_picture picture;
-    if (!hs_picture_init(&picture, side, side, HS_COLOUR_NO_VALUE, err)) return false;
-    for (uint32_t y = 0; y < side; y++) {
-        for (uint32_t x = 0; x < side; x++) {
-            const float e = error[(size_t)(y * height / side) * width + x * width / side];
-            if (!isnan(e))
-                picture.pixels[(size_t)y * side + x] = hs_colour_diverging((double)(e / HS_EVAL_ERROR_LIMIT));
-        }
-    }
-    const bool ok = hs_eval_save_picture(&picture, folder, name, err);
-    hs_picture_free(&picture);
-    return ok;
 }
 
 /* A square picture of four bytes a pixel. */
@@ -90,64 +74,6 @@ static bool hs_eval_draw_result(const hs_eval_drawing *drawing, const char *fold
         *view = own;
     else
         hs_view_free(&own);
-    return ok;
-}
-
-/* ------------------------------------------------------------------------------------------- as it is -- */
-/* The plugin at the settings that the user left it: "plain.png", "plain_error.png", "plain_confidence.png".
- */
-
-/* The error of every ray. The case's loop is replaced, and gone afterwards. */
-static bool draw_errors(hs_eval_study *study, hs_eval_case *c, const char *folder, hs_error *err) {
-    const hs_eval_values *values = &study->plain.values;
-    hs_measures measures;
-    sv_status outcome;
-    float *error = calloc((size_t)c->table.width * c->table.height, sizeof *error);
-    if (!error) return hs_fail(err, HS_ERR_MEMORY, "error picture: no memory");
-    bool ok = hs_eval_case_replace(c, &study->cl, &study->plugin, values, err) &&
-              hs_eval_case_direct(c, values, &measures, &outcome, err);
-    if (ok) {
-        hs_eval_error_picture(&c->table, c->termination, error);
-        ok = hs_eval_save_errors(error, c->table.width, c->table.height, folder, "plain_error.png", err);
-    }
-    free(error);
-    hs_eval_case_release(c);
-    return ok;
-}
-
-/* Without a frame or a legend: the page has one legend for all. */
-static bool save_confidence(const hs_view *view, const char *folder, hs_error *err) {
-    const uint32_t side = HS_EVAL_PICTURE;
-    hs_picture picture;
-    if (!hs_picture_init(&picture, side, side, 0, err)) return false;
-    for (uint32_t y = 0; y < side; y++)
-        for (uint32_t x = 0; x < side; x++)
-            picture.pixels[(size_t)y * side + x] =
-                hs_colour_viridis((double)view->sure[(size_t)(y * view->map_height / side) * view->map_width +
-                                                     x * view->map_width / side]);
-    const bool ok = hs_eval_save_picture(&picture, folder, "plain_confidence.png", err);
-    hs_picture_free(&picture);
-    return ok;
-}
-
-/* The case's loop is replaced, and gone afterwards. */
-static bool draw_plain(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder,
-                       hs_error *err) {
-    hs_eval_result *r = &study->result[index];
-    const hs_eval_drawing drawing = {.options = study->options,
-                                     .cl = &study->cl,
-                                     .plugin = &study->plugin,
-                                     .c = c,
-                                     .values = &study->plain.values,
-                                     .pixels = HS_EVAL_PICTURE};
-    hs_view view;
-    if (!draw_errors(study, c, folder, err) ||
-        !hs_eval_draw_result(&drawing, folder, "plain.png", &view, err))
-        return false;
-    if (!hs_frame_note(&view.frame, "the plugin failed", r->note, sizeof r->note)) r->note[0] = '\0';
-    r->sure = view.sure != NULL;
-    const bool ok = !r->sure || save_confidence(&view, folder, err);
-    hs_view_free(&view);
     return ok;
 }
 
@@ -199,7 +125,9 @@ bool hs_eval_compare_pictures(hs_eval_comparison *x, uint32_t index, hs_eval_cas
 
 #define TURNED 192u /* of the slider's pictures: there are many */
 
-static bool save_error(const hs_eval_case *c, const char *folder, const char *name, hs_error *err) {
+/* The error of every ray, of the frame that was measured the direct way. */
+static bool save_error(const hs_eval_case *c, const char *folder, const char *file, const char *name,
+                       hs_error *err) {
     static const hs_signed_words words = {
         .quantity = "error", .unit = "steps", .positive = "occluder left", .negative = "fetus cut"};
     char title[128];
@@ -210,13 +138,12 @@ static bool save_error(const hs_eval_case *c, const char *folder, const char *na
     const hs_caption caption = {.title = title,
                                 .footer = "Termination depth of the ground truth minus that of the result"};
     hs_picture picture;
-    bool ok = hs_picture_signed(&picture, error, c->table.width, c->table.height, HS_EVAL_ERROR_LIMIT, &words,
+    bool ok = hs_picture_signed(&picture, error, c->table.width, c->table.height, ERROR_LIMIT, &words,
                                 &caption, err);
     if (ok) {
-        ok = hs_eval_save_picture(&picture, folder, "error.png", err);
+        ok = hs_eval_save_picture(&picture, folder, file, err);
         hs_picture_free(&picture);
     }
-    ok = ok && hs_eval_save_errors(error, c->table.width, c->table.height, folder, "error_rays.png", err);
     free(error);
     return ok;
 }
@@ -255,45 +182,60 @@ static hs_eval_drawing drawing_of(const hs_eval_study *study, const hs_eval_case
                              .pixels = pixels};
 }
 
-static bool draw_turns(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
-                       const hs_eval_values *values, const char *folder, hs_error *err) {
-    const hs_eval_drawing drawing = drawing_of(study, c, values, TURNED);
-    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
-    const bool ok = loop && save_turns(study, loop, &study->result[index], folder, err);
-    hs_loop_destroy(loop);
-    return ok;
-}
-
-static bool draw(hs_eval_study *study, uint32_t index, const hs_eval_case *c, const hs_eval_values *values,
-                 const char *folder, hs_error *err) {
-    hs_view view;
-    char note[160], title[200];
-    const hs_eval_drawing drawing = drawing_of(study, c, values, HS_EVAL_PICTURE);
-    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
-    bool clipped = false, ok = loop && hs_loop_view(loop, 0, &view, err);
-    if (ok) {
-        const char *said = hs_frame_note(&view.frame, "the plugin failed", note, sizeof note);
-        hs_camera_title(study->space[index].name, &view.camera, view.volume, title, sizeof title);
-        ok = hs_loop_write_pictures(&view, folder, title, said, HS_EVAL_PICTURE, err);
-        clipped = view.frame.clipped;
-        study->result[index].truth_cut = view.truth_cut;
-        hs_view_free(&view);
-    }
-    hs_loop_destroy(loop);
-    /* Without a surface there is nothing to turn. */
-    return ok && (!clipped || draw_turns(study, index, c, values, folder, err));
-}
-
-static bool work(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder, hs_error *err) {
+/* The plugin at the common setting: "common.png", "common_error.png", and the positions of its knob. The
+ * case's loop is gone afterwards. */
+static bool draw_common(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder,
+                        hs_error *err) {
     hs_eval_result *r = &study->result[index];
     hs_eval_values values;
     if (!hs_eval_study_values(study, r->common, &values, err) ||
         !hs_eval_case_direct(c, &values, &r->shown, &r->shown_outcome, err) ||
-        !save_error(c, folder, study->space[index].name, err) || !hs_eval_speed_curves(study, index, c, err))
+        !save_error(c, folder, "common_error.png", study->space[index].name, err) ||
+        !hs_eval_speed_curves(study, index, c, err))
         return false;
     hs_eval_case_release(c); /* a plugin's instance serves one loop at a time */
-    return draw(study, index, c, &values, folder, err) &&
-           hs_eval_speed_settings(study, index, c, &values, err) && draw_plain(study, index, c, folder, err);
+    const hs_eval_drawing drawing = drawing_of(study, c, &values, HS_EVAL_PICTURE);
+    if (!hs_eval_draw_result(&drawing, folder, "common.png", NULL, err)) return false;
+    /* Without a surface there is nothing to turn. */
+    if (hs_outcome_clips(r->shown_outcome)) {
+        const hs_eval_drawing turned = drawing_of(study, c, &values, TURNED);
+        hs_loop *loop = hs_eval_draw_loop(&turned, err);
+        const bool ok = loop && save_turns(study, loop, r, folder, err);
+        hs_loop_destroy(loop);
+        if (!ok) return false;
+    }
+    return hs_eval_speed_settings(study, index, c, &values, err);
+}
+
+/* The plugin as it is: the pictures of `host_sim run`, and "error.png". */
+static bool draw_plain(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder,
+                       hs_error *err) {
+    hs_eval_result *r = &study->result[index];
+    const hs_eval_values *values = &study->plain.values;
+    const char *name = study->space[index].name;
+    char title[200];
+    hs_measures measures;
+    sv_status outcome;
+    hs_view view;
+    if (!hs_eval_case_replace(c, &study->cl, &study->plugin, values, err) ||
+        !hs_eval_case_direct(c, values, &measures, &outcome, err) ||
+        !save_error(c, folder, "error.png", name, err))
+        return false;
+    hs_eval_case_release(c);
+    const hs_eval_drawing drawing = drawing_of(study, c, values, HS_EVAL_PICTURE);
+    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
+    bool ok = loop && hs_loop_view(loop, 0, &view, err);
+    if (ok) {
+        const char *said = hs_frame_note(&view.frame, "the plugin failed", r->note, sizeof r->note);
+        if (!said) r->note[0] = '\0';
+        hs_camera_title(name, &view.camera, view.volume, title, sizeof title);
+        ok = hs_loop_write_pictures(&view, folder, title, said, HS_EVAL_PICTURE, err);
+        r->sure = view.sure != NULL;
+        r->truth_cut = view.truth_cut;
+        hs_view_free(&view);
+    }
+    hs_loop_destroy(loop);
+    return ok;
 }
 
 bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err) {
@@ -302,7 +244,7 @@ bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err)
     if (!hs_path_join(study->options->out, study->space[index].name, folder, sizeof folder, err) ||
         !hs_path_make_folder(folder, err) || !hs_eval_study_case(study, index, &c, err))
         return false;
-    const bool ok = work(study, index, &c, folder, err);
+    const bool ok = draw_common(study, index, &c, folder, err) && draw_plain(study, index, &c, folder, err);
     hs_eval_case_close(&c);
     return ok;
 }

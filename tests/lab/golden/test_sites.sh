@@ -80,15 +80,6 @@ holds awk -v row="$(row 5)" -v found="$(found 2)" 'BEGIN { d = row - found; exit
 code 2 reverse --site "$work/site"
 holds grep -q 'two sites are needed, 1 given' "$work/stderr"
 
-# --- the page: one file, five cases of the case, every picture inlined with a text
-code 0 page --case "$case" --out "$work/page" --method method=wall
-page=$work/page/index.html
-holds [ "$(grep -o '<h3>' "$page" | wc -l)" -eq 5 ]
-pictures=$(grep -o '<img ' "$page" | wc -l)
-holds [ "$pictures" -ge $((5 * 5)) ]
-holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
-holds [ "$(grep -c 'https\?://\|<link\|url(\|src="[^d]' "$page")" -eq 0 ]
-
 # --- what is wrong
 code 2
 code 2 nothing
@@ -106,7 +97,6 @@ code 3 table --case "$small,$work/from.mha,$work/to.mha"
 holds grep -q 'from.mha:[0-9]*: DimSize is 64 64 1, expected 32 32 1' "$work/stderr"
 code 4 table --case "$small" --plugin "$build/tests/plugins/no_symbol.so"
 code 2 table --case "$small" --method method=wall --plugin "$build/tests/plugins/zeros.so"
-code 6 page --case "$small" --out /dev/null/page
 
 # --- the definition of wall: its table, a turned camera, another constant, wrong ones
 code 0 wall --case "$small"
