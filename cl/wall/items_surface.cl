@@ -107,10 +107,10 @@ __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict in
         back_to_fluid(&l, levels + level_row(&l, 0, y) + x, rays[block_row(&l, RAY_FIRST, y) + x], at);
 }
 
-/* One work item per pixel. The surface at q goes into the first plane; zeros if there is none. */
+/* One work item per pixel. The depthmap at q, from value `first` on; zeros if there is no surface. */
 __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restrict info,
                                   __global const float *restrict places, __global float *restrict confidence,
-                                  uint padded_width, __global float *restrict surfaces) {
+                                  ulong first, __global float *restrict depths) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.width) return;
     const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
@@ -119,6 +119,6 @@ __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restric
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     const float depth = (float)l.depth * interpolate(&l, places + place_row(&l, PLACE_SURFACE, 0), u, v);
     const float certainty = most * fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
-    surfaces[(size_t)y * padded_width + x] = wanted ? depth : 0.0f;
+    depths[first + (size_t)y * l.width + x] = wanted ? depth : 0.0f;
     confidence[(size_t)y * l.width + x] = wanted ? certainty : 0.0f;
 }

@@ -245,7 +245,8 @@ __kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps
     }
     info[SV_WALL_INFO_LAST] = verdict;
     const bool clips = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
-    record[SV_REC_PASSES] = clips;
+    record[SV_REC_RAYS] = l.width * l.height;
+    record[SV_REC_POINTS] = 0;
     record[SV_REC_UNFILLED] = clips ? 0 : record[SV_REC_RAYS];
     record[SV_REC_OUTCOME] = clips ? SV_OUTCOME_OK : SV_OUTCOME_NO_SURFACE;
 }

@@ -165,21 +165,20 @@ static void copy_rays(const sv_wall_layout *l, __global const float *surface, __
     }
 }
 
-/* One work item per row of pixels. The surface at q goes into the first plane; zeros if there is none. */
+/* One work item per row of pixels. The depthmap at q, from value `first` on; zeros if there is no surface. */
 __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info,
                             __global const float *restrict places, __global float *restrict confidence,
-                            uint padded_width, __global float *restrict surfaces) {
+                            ulong first, __global float *restrict depths) {
     const uint y = (uint)get_global_id(0);
     const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
     const float most = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f;
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     between_t at = between(0, l.width, l.columns);
     __global const float *surface = places + place_row(&l, PLACE_SURFACE, 0);
-    surfaces += (size_t)y * padded_width;
+    depths += first + (size_t)y * l.width;
     confidence += (size_t)y * l.width;
     if (wanted && l.width == l.columns && l.height == l.rows) {
-        copy_rays(&l, surface + place_row(&l, 0, y), places + place_row(&l, 0, y), most, surfaces,
-                  confidence);
+        copy_rays(&l, surface + place_row(&l, 0, y), places + place_row(&l, 0, y), most, depths, confidence);
         return;
     }
     for (uint x = 0; x < l.width; x++) {
@@ -187,7 +186,7 @@ __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info
         next_pixel(&at, l.width, l.columns);
         const float depth = (float)l.depth * interpolate(&l, surface, u, v);
         const float certainty = most * fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
-        surfaces[x] = wanted ? depth : 0.0f;
+        depths[x] = wanted ? depth : 0.0f;
         confidence[x] = wanted ? certainty : 0.0f;
     }
 }

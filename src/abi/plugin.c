@@ -69,9 +69,9 @@ static sv_status begin(sva *a) {
     if (status == SV_OK) status = check_values(a, p, &values);
     if (status != SV_OK) return status;
     p->queue.timing = &in->timing;
-    sv_pipeline_begin(p, &values);
-    p->map.continues = !(f->flags & SV_FRAME_DISCONTINUITY);
-    take_beams(f, &p->map.beams);
+    sv_frame_context context = {.continues = !(f->flags & SV_FRAME_DISCONTINUITY)};
+    take_beams(f, &context.beams);
+    sv_pipeline_begin(p, &values, &context);
     if (!p->config.ranged) return SV_OK;
     return sv_pipeline_scanned(p, f->scanned, f->scanned_object, f->scanned_offset);
 }
@@ -85,7 +85,7 @@ static sv_status slab(sva *a, const sv_slab *slab) {
 static sv_status finish(sva *a, float *depth) {
     sv_instance *in = a->own;
     (void)depth;
-    return sv_pipeline_end(&in->pipeline, (float)sva_value(a, SV_PARAM_Q));
+    return sv_pipeline_end(&in->pipeline);
 }
 
 static sv_status adjust(sva *a, float *depth) {
@@ -116,7 +116,7 @@ static sv_status output(sva *a, const sv_result *result) {
         status = sva_cl_check_object(a, adjusts ? "adjust: depth_object" : "end: depth_object",
                                      own.depth_object, SV_CARRIER_BUFFER, own.depth_offset,
                                      sva_rays(a) * sizeof(float), SV_ERR_ARGUMENT);
-    if (status == SV_OK) status = sv_pipeline_output(&in->pipeline, (float)sva_value(a, SV_PARAM_Q), &own);
+    if (status == SV_OK) status = sv_pipeline_output(&in->pipeline, &own);
     if (status == SV_OK && in->device.owned) status = wait_outcome(a, adjusts ? "adjust" : "end", own.stats);
     if (status >= SV_OK && !adjusts) in->timing.complete = in->timing.enabled;
     return status;

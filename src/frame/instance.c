@@ -16,7 +16,7 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                        .tile_h = f->tile_h,
                        .row_pitch = f->carrier == SV_CARRIER_IMAGE ? f->tiles_x * f->tile_w : f->row_pitch,
                        .carrier = f->carrier,
-                       .padding = f->padding_value,
+                       .padding = f->padding_value == SV_NO_PADDING ? 256 : (uint32_t)f->padding_value,
                        .spacing = {f->spacing_mm[0], f->spacing_mm[1], f->spacing_mm[2]},
                        .ranged = (f->flags & SV_FORMAT_SCANNED) != 0,
                        .substeps = (uint32_t)values->of[SV_PARAM_SUBSTEPS],
@@ -38,16 +38,14 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
  * them. */
 static sv_status build_and_test(sv_instance *in, const sv_config *config, const sv_values *activated,
                                 uint32_t strip) {
-    sv_structure structure = {.substeps = config->substeps,
-                              .strip = strip,
-                              .padded = config->padding >= 0,
-                              .ranged = config->ranged,
-                              .half_sums = config->half_sums,
-                              .surveyed = sv_chain_is_surveyed(config),
-                              .fetch_ahead =
-                                  strip > 16 && (uint64_t)config->width * config->height * config->slices >
-                                                    FETCH_AHEAD_BYTES};
+    sv_structure structure = {
+        .substeps = config->substeps,
+        .strip = strip,
+        .padded = config->padding<256, .ranged = config->ranged, .half_sums = config->half_sums,
+                                  .surveyed = sv_chain_is_surveyed(config), .fetch_ahead = strip> 16 &&
+                  (uint64_t)config->width * config->height * config->slices > FETCH_AHEAD_BYTES};
     const bool needs_wide = sv_chain_needs_wide(config);
+    if (!structure.surveyed && !config->ranged) return SV_OK; /* the method's own kernels do it all */
     sv_status status = sv_program_build(in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {
         structure.wide_sums = true;
@@ -104,11 +102,11 @@ static sv_status prepare(sv_instance *in, const sv_config *config, const sv_valu
 static sv_status max_commands(sv_diag *diag, const sv_device *device, const sv_config *config,
                               const sv_values *activated, uint32_t *out) {
     sv_values values = *activated;
-    sv_cost cost;
+    sv_demand most;
     values.of[SV_PARAM_KERNEL] = SV_MIN_KERNEL;
     values.of[SV_PARAM_PREFILTER_PASSES] = SV_MAX_PREFILTER_PASSES;
-    const sv_status status = sv_pipeline_cost(diag, device, config, &values, 1, &cost);
-    *out = cost.commands;
+    const sv_status status = sv_pipeline_demand(diag, device, config, &values, 1, &most);
+    *out = most.commands;
     return status;
 }
 
@@ -116,15 +114,15 @@ sv_status sv_instance_needs(sv_diag *diag, const sv_device *device, const sv_for
                             const sv_values *activated, const sv_values *frame, sv_needs *out) {
     const sv_config config = config_of(format, activated);
     uint32_t capacity = 0;
-    sv_cost cost;
+    sv_demand most;
     sv_status status = max_commands(diag, device, &config, activated, &capacity);
     if (status == SV_OK)
-        status = sv_pipeline_cost(diag, device, &config, frame, config.max_slab_slices, &cost);
+        status = sv_pipeline_demand(diag, device, &config, frame, config.max_slab_slices, &most);
     if (status != SV_OK) return status;
-    *out = (sv_needs){.commands = cost.commands,
-                      .adjust_commands = cost.adjust_commands,
-                      .device_bytes = cost.bytes,
-                      .largest_buffer = cost.largest_buffer,
+    *out = (sv_needs){.commands = most.commands,
+                      .adjust_commands = most.adjust_commands,
+                      .device_bytes = most.bytes,
+                      .largest_buffer = most.largest_buffer,
                       .host_bytes = sv_timing_bytes(capacity)};
     return SV_OK;
 }

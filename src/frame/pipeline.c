@@ -49,10 +49,12 @@ static sv_status make_buffers(sv_pipeline *p) {
         b->host_slabs = sv_buffer_wrap(q, c->host_memory, c->host_memory_bytes, &status);
     else if (c->carrier != SV_CARRIER_BUFFER)
         b->slab = sv_buffer_make(q, p->slab_bytes * p->batch_slots, &status);
-    b->state8 = sv_buffer_make(q, SV_STATE8_PLANES * plane, &status);
-    b->state16 = sv_buffer_make(q, plane * SV_STATE16_PLANES * sizeof(cl_ushort), &status);
-    b->survey = sv_buffer_make(q, (size_t)p->map.bands * 257 * sizeof(cl_uint), &status);
-    b->histogram = sv_buffer_make(q, 256 * sizeof(cl_uint), &status);
+    if (p->chain.surveyed) {
+        b->state8 = sv_buffer_make(q, SV_STATE8_PLANES * plane, &status);
+        b->state16 = sv_buffer_make(q, plane * SV_STATE16_PLANES * sizeof(cl_ushort), &status);
+        b->survey = sv_buffer_make(q, (size_t)p->map.bands * 257 * sizeof(cl_uint), &status);
+        b->histogram = sv_buffer_make(q, 256 * sizeof(cl_uint), &status);
+    }
     b->record = sv_buffer_make(q, (SV_REC_PASS0 + (size_t)p->pass_capacity) * sizeof(cl_uint), &status);
     b->depth = sv_buffer_make(q, (size_t)c->width * c->height * sizeof(cl_float), &status);
     if (c->ranged) {
@@ -60,7 +62,9 @@ static sv_status make_buffers(sv_pipeline *p) {
         b->scanned = sv_buffer_make(q, plane * SV_SCANNED_PLANES * sizeof(cl_ushort), &status);
         p->map.scanned = b->scanned;
     }
-    if (status == SV_OK) status = sv_map_buffers(&p->map, true, b->record);
+    if (status == SV_OK)
+        status = p->chain.method->slabs ? sv_map_status_buffer(&p->map, b->record)
+                                        : sv_map_buffers(&p->map, true, b->record);
     return status == SV_OK ? sv_chain_buffers(&p->chain) : status;
 }
 
@@ -95,18 +99,18 @@ static sv_status pretend(sv_pipeline *p, sv_diag *diag, const sv_device *device,
     return make_buffers(p);
 }
 
-static sv_status pretend_output(sv_pipeline *p, float q) {
+static sv_status pretend_output(sv_pipeline *p) {
     sv_stats stats;
     float depth;
     uint8_t points;
     const sv_result result = {.depth = &depth, .status = &points, .stats = &stats};
-    return sv_pipeline_output(p, q, &result);
+    return sv_pipeline_output(p, &result);
 }
 
 static sv_status pretend_frame(sv_pipeline *p, const sv_values *values, uint32_t slab_slices) {
     const sv_config *c = &p->config;
-    const float q = (float)values->of[SV_PARAM_Q];
-    sv_pipeline_begin(p, values);
+    const sv_frame_context context = {0};
+    sv_pipeline_begin(p, values, &context);
     sv_status status = c->ranged ? sv_pipeline_scanned(p, NULL, NULL, 0) : SV_OK;
     while (status == SV_OK && p->next_slice < c->slices) {
         const uint32_t left = c->slices - p->next_slice;
@@ -116,20 +120,19 @@ static sv_status pretend_frame(sv_pipeline *p, const sv_values *values, uint32_t
                               .object = (cl_mem)((uintptr_t)p->next_slice + 1)};
         status = sv_pipeline_slab(p, &slab);
     }
-    if (status == SV_OK) status = sv_pipeline_end(p, q);
-    return status == SV_OK ? pretend_output(p, q) : status;
+    if (status == SV_OK) status = sv_pipeline_end(p);
+    return status == SV_OK ? pretend_output(p) : status;
 }
 
-sv_status sv_pipeline_cost(sv_diag *diag, const sv_device *device, const sv_config *config,
-                           const sv_values *values, uint32_t slab_slices, sv_cost *out) {
+sv_status sv_pipeline_demand(sv_diag *diag, const sv_device *device, const sv_config *config,
+                             const sv_values *values, uint32_t slab_slices, sv_demand *out) {
     sv_pipeline p;
     sv_tally tally = {0};
     sv_status status = pretend(&p, diag, device, config, &tally);
     if (status == SV_OK) status = pretend_frame(&p, values, slab_slices);
-    *out = (sv_cost){.bytes = tally.bytes, .largest_buffer = tally.largest, .commands = tally.commands};
-    const float q = (float)values->of[SV_PARAM_Q];
-    if (status == SV_OK) status = sv_pipeline_adjust(&p, q);
-    if (status == SV_OK) status = pretend_output(&p, q);
+    *out = (sv_demand){.bytes = tally.bytes, .largest_buffer = tally.largest, .commands = tally.commands};
+    if (status == SV_OK) status = sv_pipeline_adjust(&p, p.q);
+    if (status == SV_OK) status = pretend_output(&p);
     out->adjust_commands = tally.commands - out->commands;
     return status;
 }
@@ -174,12 +177,18 @@ sv_status sv_pipeline_warm_up(sv_pipeline *p, const sv_values *values) {
     if (p->chain.direct) return SV_OK;
     sv_values all = *values;
     all.of[SV_PARAM_UNSURE] = SV_UNSURE_CLIP; /* a later frame may launch what others leave out */
-    sv_pipeline_begin(p, &all);
+    all.of[SV_PARAM_Q] = 0.0;
+    const sv_frame_context context = {0};
+    sv_pipeline_begin(p, &all, &context);
+    const sv_method *m = p->chain.method;
+    if (!m->slabs)
+        return sv_chain_run(&p->chain, p->buffers.state16, p->q); /* the record is zeros: no points */
     /* A slab of no slices reads nothing, so any buffer will do. */
-    const sv_placed_slabs none = {.buffer = p->buffers.state8, .batch = {.count = 1}};
-    const sv_status status = sv_chain_slabs(&p->chain, &none);
-    if (status != SV_OK) return status;
-    return sv_chain_run(&p->chain, p->buffers.state16, 0.0f); /* the record is zeros: no points */
+    const sv_placed_slabs none = {.buffer = p->buffers.depth, .batch = {.count = 1}};
+    const sv_depth_target to = {p->buffers.depth, 0};
+    sv_status status = m->slabs(&p->map, &p->chain.state, &none);
+    if (status == SV_OK) status = m->find(&p->map, &p->chain.state, &context);
+    return status == SV_OK ? m->place(&p->map, &p->chain.state, p->q, &to) : status;
 }
 
 void sv_pipeline_destroy(sv_pipeline *p) {
@@ -206,11 +215,13 @@ static sv_job job_of(const sv_config *c, const sv_values *values) {
     return j;
 }
 
-void sv_pipeline_begin(sv_pipeline *p, const sv_values *values) {
+void sv_pipeline_begin(sv_pipeline *p, const sv_values *values, const sv_frame_context *context) {
     const sv_job job = job_of(&p->config, values);
     sv_map_begin(&p->map, &job, values);
     sv_chain_begin(&p->chain);
     p->level_n = sv_grey_level(values->of[SV_PARAM_FLUID_THRESHOLD], p->config.substeps);
+    p->context = *context;
+    p->q = (float)values->of[SV_PARAM_Q];
     p->next_slice = 0;
     p->waiting = (sv_placed_slabs){0};
     if (p->queue.timing) sv_timing_reset(p->queue.timing);
@@ -285,7 +296,7 @@ static sv_status launch_profile(const sv_pipeline *p) {
                                 c->tile_w,    c->tile_h,
                                 c->width,     p->map.padded_width,
                                 c->height,    p->map.job.fluid_level,
-                                p->level_n,   (uint32_t)c->padding & 255u};
+                                p->level_n,   c->padding < 256 ? c->padding : 255u /* not looked at */};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
     /* Without ranges the kernel reads none: any buffer will do. */
     sv_launch_buffer(&l, c->ranged ? p->buffers.scanned : p->buffers.state16);
@@ -297,8 +308,8 @@ static sv_status launch_profile(const sv_pipeline *p) {
 
 /* Launches what the frame wants of the slabs that wait, and lets no more wait. */
 static sv_status launch_waiting(sv_pipeline *p) {
-    sv_status status = sv_chain_slabs(&p->chain, &p->waiting);
-    if (status == SV_OK && p->chain.surveyed) status = launch_profile(p);
+    const sv_method *m = p->chain.method;
+    const sv_status status = m->slabs ? m->slabs(&p->map, &p->chain.state, &p->waiting) : launch_profile(p);
     p->waiting.batch = (sv_batch){.first_slice = p->next_slice};
     return status;
 }

@@ -34,6 +34,8 @@ typedef struct {
     uint64_t slab_bytes; /* of the longest slab */
 
     /* the frame under way, or the last one */
+    sv_frame_context context;
+    float q;          /* also of the last adjust */
     uint32_t level_n; /* T_L in 1 / substeps grey level */
     uint32_t next_slice;
     sv_placed_slabs waiting; /* slabs that wait for a launch */
@@ -46,12 +48,12 @@ uint64_t sv_pipeline_slab_bytes(const sv_config *config, uint32_t slices);
 typedef struct {
     uint64_t bytes, largest_buffer;
     uint32_t commands, adjust_commands;
-} sv_cost;
+} sv_demand;
 
 /* What such a pipeline would take on such a device, without a call of OpenCL. A frame has these values and
  * slabs of `slab_slices`, each in an object of its own. */
-sv_status sv_pipeline_cost(sv_diag *diag, const sv_device *device, const sv_config *config,
-                           const sv_values *values, uint32_t slab_slices, sv_cost *out);
+sv_status sv_pipeline_demand(sv_diag *diag, const sv_device *device, const sv_config *config,
+                             const sv_values *values, uint32_t slab_slices, sv_demand *out);
 
 /* SV_OK if the device has room for the buffers of such a pipeline, else SV_ERR_FORMAT with both
  * numbers. Makes none. The host's log is told both. */
@@ -71,7 +73,7 @@ sv_status sv_pipeline_warm_up(sv_pipeline *pipeline, const sv_values *values);
 void sv_pipeline_destroy(sv_pipeline *pipeline);
 
 /* Enqueues a frame's stages. The caller has validated everything. */
-void sv_pipeline_begin(sv_pipeline *pipeline, const sv_values *values);
+void sv_pipeline_begin(sv_pipeline *pipeline, const sv_values *values, const sv_frame_context *context);
 /* Enqueues the scanned ranges after begin, if the format says that frames bring them: from host memory, or
  * from `object` from byte `offset` on. Memory must stay until the queue has run. */
 sv_status sv_pipeline_scanned(sv_pipeline *pipeline, const sv_scanned *ranges, cl_mem object,
@@ -81,9 +83,9 @@ sv_status sv_pipeline_slab(sv_pipeline *pipeline, const sv_slab *slab);
 /* ---- the end of a frame (pipeline_end.c): bone threshold, initial points, reconstruction, S(q) and the
  * results */
 
-sv_status sv_pipeline_end(sv_pipeline *pipeline, float q);    /* up to the surfaces */
+sv_status sv_pipeline_end(sv_pipeline *pipeline);             /* up to the surfaces */
 sv_status sv_pipeline_adjust(sv_pipeline *pipeline, float q); /* what another q asks for before the output */
-sv_status sv_pipeline_output(sv_pipeline *pipeline, float q, const sv_result *result); /* S(q) and the rest */
+sv_status sv_pipeline_output(sv_pipeline *pipeline, const sv_result *result); /* S(q) and the rest */
 
 /* Enqueues a read of what the points stage found out; valid when the queue has run. */
 sv_status sv_pipeline_read_points(sv_pipeline *pipeline, sv_points_report *out);

@@ -53,23 +53,37 @@ static sv_status points_by_rays(sv_pipeline *p) {
     return sv_launch_pixels(&l, p->map.padded_width, p->config.height, SV_STAGE_THRESHOLD);
 }
 
-sv_status sv_pipeline_end(sv_pipeline *p, float q) {
+sv_status sv_pipeline_end(sv_pipeline *p) {
     sv_chain *chain = &p->chain;
     const sv_buffers *b = &p->buffers;
+    if (chain->method->slabs) return chain->method->find(&p->map, &chain->state, &p->context);
     if (chain->direct && chain->method->single && p->config.strategy == SV_STRATEGY_SINGLE) {
         const sv_ray_states rays = {b->state8, b->state16, b->histogram};
         return chain->method->single(&p->map, &chain->state, &rays);
     }
     const bool by_rays = p->config.strategy == SV_STRATEGY_RAYS;
-    /* Without points, record and status map have none. */
-    const sv_status status = !chain->surveyed ? launch_level(p, 0)
-                             : by_rays        ? points_by_rays(p)
-                                              : points_by_bands(p);
-    return status == SV_OK ? sv_chain_run(chain, b->state16, q) : status;
+    const sv_status status = by_rays ? points_by_rays(p) : points_by_bands(p);
+    return status == SV_OK ? sv_chain_run(chain, b->state16, p->q) : status;
 }
 
 sv_status sv_pipeline_adjust(sv_pipeline *p, float q) {
-    return sv_chain_turn(&p->chain, p->buffers.state16, q);
+    p->q = q;
+    return p->chain.linear || p->chain.method->slabs ? SV_OK : sv_chain_run(&p->chain, p->buffers.state16, q);
+}
+
+/* S(q) from the two surfaces; where q is in the first plane already, the second holds zeros. */
+static sv_status blend_surfaces(sv_pipeline *p, const sv_depth_target *to) {
+    const sv_config *c = &p->config;
+    const float q = p->chain.linear ? p->q : 1.0f;
+    sv_launch l = SV_LAUNCH(&p->map, blend);
+    sv_launch_buffer(&l, p->map.surfaces);
+    sv_launch_uint(&l, c->width);
+    sv_launch_uint(&l, p->map.padded_width);
+    sv_launch_uint(&l, c->height);
+    sv_launch_arg(&l, sizeof q, &q);
+    sv_launch_buffer(&l, to->buffer);
+    sv_launch_arg(&l, sizeof to->first, &to->first);
+    return sv_launch_items(&l, c->height, SV_STAGE_OUTPUT);
 }
 
 /* Enqueues a read of a map whose rows are `from_pitch` bytes apart into host rows `to_pitch` apart. */
@@ -115,21 +129,13 @@ sv_status sv_pipeline_read_points(sv_pipeline *p, sv_points_report *out) {
     return status;
 }
 
-sv_status sv_pipeline_output(sv_pipeline *p, float q, const sv_result *result) {
+sv_status sv_pipeline_output(sv_pipeline *p, const sv_result *result) {
     const sv_config *c = &p->config;
+    const sv_method *m = p->chain.method;
     const size_t row = (size_t)c->width * sizeof(float);
     const cl_mem depth = result->depth_object ? result->depth_object : p->buffers.depth;
-    const cl_ulong offset = result->depth_object ? result->depth_offset / sizeof(float) : 0;
-    if (!p->chain.linear) q = 1.0f; /* q is in the first plane already, and the second holds zeros */
-    sv_launch l = SV_LAUNCH(&p->map, blend);
-    sv_launch_buffer(&l, p->map.surfaces);
-    sv_launch_uint(&l, c->width);
-    sv_launch_uint(&l, p->map.padded_width);
-    sv_launch_uint(&l, c->height);
-    sv_launch_arg(&l, sizeof q, &q);
-    sv_launch_buffer(&l, depth);
-    sv_launch_arg(&l, sizeof offset, &offset);
-    sv_status status = sv_launch_items(&l, c->height, SV_STAGE_OUTPUT);
+    const sv_depth_target to = {depth, result->depth_object ? result->depth_offset / sizeof(float) : 0};
+    sv_status status = m->place ? m->place(&p->map, &p->chain.state, p->q, &to) : blend_surfaces(p, &to);
     if (status == SV_OK && result->depth)
         status = read_rows(p, depth, row, result->depth, result->depth_pitch ? result->depth_pitch : row, row,
                            "end: read of the depthmap");

@@ -27,11 +27,11 @@ typedef struct {
     sv_ref_ray rays[PIXELS];
     double near_end[PIXELS], far_end[PIXELS];
     uint32_t near_position[PIXELS], far_position[PIXELS];
-} bench;
+} scratch;
 
 /* Layers of tissue, fluid and bone that vary from ray to ray, with some unscanned voxels
  * and exact thresholds. */
-static void fill_volume(bench *b, int32_t padding) {
+static void fill_volume(scratch *b, uint32_t padding) {
     uint32_t random = 12345;
     for (size_t z = 0; z < SLICES; z++)
         for (size_t i = 0; i < PIXELS; i++) {
@@ -39,20 +39,20 @@ static void fill_volume(bench *b, int32_t padding) {
             const uint32_t noise = random >> 24;
             uint32_t value = z % 7 < 3 + i % 3 ? 20 + noise % 22 : 40 + noise % 120;
             if (i % 13 == z && noise < 60) value = 255 - noise % 5;
-            if (padding >= 0 && (z < i % 4 || noise > 250)) value = (uint32_t)padding;
+            if (padding < 256 && (z < i % 4 || noise > 250)) value = padding;
             b->volume[z * PIXELS + i] = (uint8_t)value;
         }
 }
 
 /* Rays that begin and end everywhere, beyond the volume, too; and some of which nothing was scanned. */
-static void fill_ranges(bench *b) {
+static void fill_ranges(scratch *b) {
     for (size_t i = 0; i < PIXELS; i++) {
         b->ranges[i].first = (uint16_t)(i % 17 == 3 ? 30 : i * 5 % 11);
         b->ranges[i].end = (uint16_t)(i % 19 == 7 ? 4 : SLICES + 3 - i * 3 % 13);
     }
 }
 
-static void fill_slab(bench *b, uint32_t first, uint32_t count) {
+static void fill_slab(scratch *b, uint32_t first, uint32_t count) {
     for (uint32_t s = 0; s < count; s++)
         for (size_t y = 0; y < HEIGHT; y++) {
             const size_t row = (size_t)(s / TILES_X) * HEIGHT + y;
@@ -61,13 +61,13 @@ static void fill_slab(bench *b, uint32_t first, uint32_t count) {
         }
 }
 
-static bool compute_expected(bench *b, const sv_values *v, const sv_config *c, bool wide) {
+static bool compute_expected(scratch *b, const sv_values *v, const sv_config *c, bool wide) {
     const double fluid = v->of[SV_PARAM_FLUID_THRESHOLD];
     const sv_ref_volume volume = {.voxels = b->volume,
                                   .width = WIDTH,
                                   .height = HEIGHT,
                                   .slices = SLICES,
-                                  .padding = c->padding,
+                                  .padding = c->padding < 256 ? (int32_t)c->padding : SV_NO_PADDING,
                                   .scanned = c->ranged ? b->ranges : NULL};
     const sv_ref_bone bone = {
         .fluid_threshold = fluid, .bone_mode = SV_REF_OFFSET, .bone_offset = v->of[SV_PARAM_BONE_OFFSET]};
@@ -90,8 +90,9 @@ static bool compute_expected(bench *b, const sv_values *v, const sv_config *c, b
     return true;
 }
 
-static sv_status compute_on_device(sv_pipeline *p, bench *b, const sv_values *v, bool wide) {
-    sv_pipeline_begin(p, v);
+static sv_status compute_on_device(sv_pipeline *p, scratch *b, const sv_values *v, bool wide) {
+    const sv_frame_context context = {0};
+    sv_pipeline_begin(p, v, &context);
     if (wide) p->map.program = p->map.wide;
     sv_status status = SV_OK;
     _Static_assert(sizeof(sv_scanned) == sizeof(sv_ref_range), "ranges are the ABI's, word for word");
@@ -109,15 +110,15 @@ static sv_status compute_on_device(sv_pipeline *p, bench *b, const sv_values *v,
         if (status == SV_OK)
             status = sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     }
-    if (status == SV_OK) status = sv_pipeline_end(p, (float)Q);
+    if (status == SV_OK) status = sv_pipeline_end(p);
     const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
-    if (status == SV_OK) status = sv_pipeline_output(p, (float)Q, &result);
+    if (status == SV_OK) status = sv_pipeline_output(p, &result);
     const sv_status waited =
         sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     return status == SV_OK ? waited : status;
 }
 
-static sv_status compare(sv_diag *diag, const bench *b) {
+static sv_status compare(sv_diag *diag, const scratch *b) {
     for (int i = 0; i < PIXELS; i++) {
         const double error = fabs((double)b->depth[i] - (double)b->expected_depth[i]);
         if (b->status[i] != b->expected_status[i])
@@ -148,9 +149,10 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *
                        .strategy = config->strategy,
                        .half_sums = config->half_sums,
                        .reduction = 1};
-    bench *b = calloc(1, sizeof *b);
+    scratch *b = calloc(1, sizeof *b);
     if (!b) return sva_error(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
     sv_values values = *defaults;
+    values.of[SV_PARAM_Q] = Q;
     values.of[SV_PARAM_KERNEL] = 11.0;  /* small enough that the small map needs several passes */
     values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
     fill_volume(b, config->padding);

@@ -20,12 +20,12 @@ typedef struct {
     sv_ref_range ranges[PIXELS];
     sv_ref_ray rays[PIXELS];
     double near_end[PIXELS], far_end[PIXELS], points[PIXELS], expected[PIXELS];
-} bench;
+} scratch;
 
 /* A point on every 13th ray: fluid from slice `near_end` up to bone at `far_end`. A method that takes the
  * volume wants fluid on many rays, so every second one there, and tissue bright enough that its own T_L lies
  * between the two. */
-static void fill(bench *b, bool for_volume) {
+static void fill(scratch *b, bool for_volume) {
     const uint32_t stride = for_volume ? 2 : 13;
     const uint8_t tissue = for_volume ? 180 : 100;
     for (uint32_t i = 0; i < PIXELS; i++) {
@@ -38,7 +38,8 @@ static void fill(bench *b, bool for_volume) {
 }
 
 /* The initial points by definition, with their depths at q, which the kernels compute in float32. */
-static void expect_points(bench *b, const sv_ref_volume *volume, uint32_t substeps, const sv_values *values) {
+static void expect_points(scratch *b, const sv_ref_volume *volume, uint32_t substeps,
+                          const sv_values *values) {
     const double *v = values->of;
     const sv_ref_bone bone = {.fluid_threshold = v[SV_PARAM_FLUID_THRESHOLD],
                               .bone_mode = SV_REF_OFFSET,
@@ -53,7 +54,7 @@ static void expect_points(bench *b, const sv_ref_volume *volume, uint32_t subste
 }
 
 /* The surface by definition, and how far the device may be from it. False if memory runs out. */
-static bool expect(bench *b, const sv_ref_method *definition, const sv_config *c, bool doubles,
+static bool expect(scratch *b, const sv_ref_method *definition, const sv_config *c, bool doubles,
                    const sv_values *values, double *bound) {
     const double *v = values->of;
     const bool filtered = c->prefilter == SV_PREFILTER_MINIMUM;
@@ -61,7 +62,7 @@ static bool expect(bench *b, const sv_ref_method *definition, const sv_config *c
                                   .width = WIDTH,
                                   .height = HEIGHT,
                                   .slices = SLICES,
-                                  .padding = c->padding,
+                                  .padding = c->padding < 256 ? (int32_t)c->padding : SV_NO_PADDING,
                                   .scanned = c->ranged ? b->ranges : NULL};
     const sv_ref_settings settings = {
         .kernel = (uint32_t)v[SV_PARAM_KERNEL],
@@ -86,22 +87,23 @@ static bool expect(bench *b, const sv_ref_method *definition, const sv_config *c
     return sv_ref_chain(definition, &task, b->expected);
 }
 
-static sv_status compute(sv_pipeline *p, bench *b, const sv_values *values) {
-    sv_pipeline_begin(p, values);
+static sv_status compute(sv_pipeline *p, scratch *b, const sv_values *values) {
+    const sv_frame_context context = {0};
+    sv_pipeline_begin(p, values, &context);
     const sv_slab slab = {
         .size = sizeof slab, .slice_count = SLICES, .memory = b->volume, .bytes = sizeof b->volume};
     sv_status status = SV_OK;
     if (p->config.ranged) status = sv_pipeline_scanned(p, (const sv_scanned *)b->ranges, NULL, 0);
     if (status == SV_OK) status = sv_pipeline_slab(p, &slab);
-    if (status == SV_OK) status = sv_pipeline_end(p, Q);
+    if (status == SV_OK) status = sv_pipeline_end(p);
     const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
-    if (status == SV_OK) status = sv_pipeline_output(p, Q, &result);
+    if (status == SV_OK) status = sv_pipeline_output(p, &result);
     const sv_status waited =
         sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     return status == SV_OK ? waited : status;
 }
 
-static sv_status compare(sv_diag *diag, const bench *b, double bound) {
+static sv_status compare(sv_diag *diag, const scratch *b, double bound) {
     for (int i = 0; i < PIXELS; i++)
         if (b->status[i] != b->expected_status[i] || !(fabs((double)b->depth[i] - b->expected[i]) <= bound))
             return sva_error(
@@ -126,7 +128,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_pr
                              .tile_h = HEIGHT,
                              .row_pitch = WIDTH,
                              .carrier = SV_CARRIER_HOST,
-                             .padding = config->padding >= 0 ? 7 : SV_NO_PADDING,
+                             .padding = config->padding < 256 ? 7 : 256,
                              .ranged = config->ranged,
                              .substeps = config->substeps,
                              .strategy = config->strategy,
@@ -137,10 +139,11 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_pr
                              .reduction = config->reduction,
                              .merge_grid = MERGE};
     sv_values values = *defaults;
+    values.of[SV_PARAM_Q] = (double)Q;
     values.of[SV_PARAM_KERNEL] = KERNEL;
     values.of[SV_PARAM_EVIDENCE] = 0.0; /* the volume is no scan */
     values.of[SV_PARAM_PREFILTER_KERNEL] = PREFILTER_KERNEL;
-    bench *b = calloc(1, sizeof *b);
+    scratch *b = calloc(1, sizeof *b);
     if (!b) return sva_error(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
     fill(b, method->definition->takes_volume);
     sv_pipeline pipeline;

@@ -52,7 +52,7 @@ sv_status sv_chain_buffers(sv_chain *chain) {
     sv_map *on = sv_chain_map(chain);
     sv_status status =
         chain->reduced ? sv_map_buffers(on, chain->method->takes_sums, chain->frame->record) : SV_OK;
-    if (status == SV_OK && !chain->direct) status = sv_map_point_buffers(on);
+    if (status == SV_OK && !chain->direct && !chain->method->slabs) status = sv_map_point_buffers(on);
     if (status == SV_OK && chain->filtered) status = sv_method_minimum.buffers(on, &chain->filter);
     return status == SV_OK ? chain->method->buffers(on, &chain->state) : status;
 }
@@ -73,6 +73,7 @@ sv_status sv_chain_build(sv_chain *chain) {
     if (chain->direct) return SV_OK;
     const sv_map *on = sv_chain_map(chain);
     char options[64];
+    if (chain->method->slabs) return build_method(on, chain->method, &chain->state);
     (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u", on->config->substeps);
     sv_status status = sv_kernel_set_build(on->queue->diag, on->queue->device, sv_kernels_chain,
                                            sv_kernels_chain_size, kernels, options, &chain->gather);
@@ -94,10 +95,6 @@ void sv_chain_destroy(sv_chain *chain) {
 
 void sv_chain_begin(sv_chain *chain) {
     if (chain->reduced) sv_map_begin_reduced(&chain->cells, chain->frame);
-}
-
-sv_status sv_chain_slabs(sv_chain *chain, const sv_placed_slabs *slabs) {
-    return chain->method->slabs ? chain->method->slabs(chain->frame, &chain->state, slabs) : SV_OK;
 }
 
 static sv_launch begin(const sv_chain *chain, int kernel) {
@@ -165,23 +162,16 @@ static sv_status spread(sv_chain *chain) {
     return sv_launch_pixels(&l, on->width, on->height, SV_STAGE_RECONSTRUCT);
 }
 
-sv_status sv_chain_turn(sv_chain *chain, cl_mem state16, float q) {
-    if (chain->linear) return SV_OK;
-    return chain->method->at_q ? chain->method->at_q(chain->frame, &chain->state, q)
-                               : sv_chain_run(chain, state16, q);
-}
-
 sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q) {
     const sv_map *on = sv_chain_map(chain);
     if (chain->direct) return chain->method->run(on, &chain->state, 2);
     const double *v = on->values.of;
     sv_status status = forget_passes(chain);
-    if (status == SV_OK && !chain->method->slabs) status = fetch_points(chain, state16, q);
+    if (status == SV_OK) status = fetch_points(chain, state16, q);
     if (status == SV_OK && chain->filtered)
         status = sv_minimum_prefilter(on, &chain->filter, (uint32_t)v[SV_PARAM_PREFILTER_KERNEL],
                                       (uint32_t)v[SV_PARAM_PREFILTER_PASSES]);
     if (status == SV_OK) status = chain->method->run(on, &chain->state, chain->linear ? 2 : 1);
-    if (status == SV_OK && chain->method->at_q) status = chain->method->at_q(chain->frame, &chain->state, q);
     if (status == SV_OK) status = note_passes(chain);
     return status == SV_OK && chain->reduced ? spread(chain) : status;
 }

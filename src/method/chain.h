@@ -47,14 +47,8 @@ sv_map *sv_chain_map(sv_chain *chain);
 /* Begins a frame whose map has its job. */
 void sv_chain_begin(sv_chain *chain);
 
-/* Enqueues what the method wants of slabs, if it wants any. */
-sv_status sv_chain_slabs(sv_chain *chain, const sv_placed_slabs *slabs);
-
 /* Enqueues everything from the points to the surfaces. `state16`: ray states. `q` counts if the chain
  * is not linear. */
 sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q);
-
-/* Enqueues what another q changes in the surfaces after a run. */
-sv_status sv_chain_turn(sv_chain *chain, cl_mem state16, float q);
 
 #endif

@@ -25,6 +25,7 @@
 #include "sv_beams.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 /* ---- what stays the same from frame to frame; from sv_format and the parameters that need reactivation */
@@ -33,7 +34,7 @@ typedef struct {
     uint32_t width, height, slices, max_slab_slices;
     uint32_t tiles_x, tile_w, tile_h, row_pitch; /* row_pitch of the texture as the kernels read it */
     uint32_t carrier;
-    int32_t padding;  /* SV_NO_PADDING: none */
+    uint32_t padding; /* the voxel value that was not scanned; 256: none */
     bool ranged;      /* every frame brings the scanned range of every ray */
     float spacing[3]; /* mm between voxels; never 0: where the host does not know it, assumed */
     uint32_t substeps;
@@ -77,8 +78,6 @@ typedef struct {
     cl_mem record;  /* SV_REC_* */
 
     /* the frame under way, or the last one */
-    bool continues; /* the volume before is of the same scene: what it taught still holds */
-    sv_beams beams;
     sv_values values;
     sv_job job;
     const sv_program *program; /* narrow or wide */
@@ -92,8 +91,10 @@ bool sv_map_needs_wide(const sv_config *config);
 void sv_map_init(sv_map *map, const sv_queue *queue, const sv_config *config, uint32_t spacing,
                  bool wide_sums);
 
-/* Makes the buffers that every method needs, and (with_sums) the mean filter's first planes. */
+/* Makes the buffers that every method on points needs, and (with_sums) the mean filter's first planes. */
 sv_status sv_map_buffers(sv_map *map, bool with_sums, cl_mem record);
+/* Makes what is left where no points are looked for: a status map that says so. */
+sv_status sv_map_status_buffer(sv_map *map, cl_mem record);
 
 /* Makes the maps of the points. */
 sv_status sv_map_point_buffers(sv_map *map);
@@ -124,7 +125,23 @@ typedef struct {
     sv_kernel_set kernels;
     cl_mem buffer[SV_MAX_METHOD_BUFFERS];
     uint32_t capacity; /* spline: points it can solve for */
+    union {
+        max_align_t align;
+        unsigned char bytes[2048];
+    } own; /* of the method alone: `buffers` fills it, once an activation */
 } sv_method_state;
+
+/* What begin says of a frame besides its values and voxels. */
+typedef struct {
+    bool continues; /* the volume before is of the same scene: what it taught still holds */
+    sv_beams beams;
+} sv_frame_context;
+
+/* Where a depthmap goes: width * height float32 without padding, from value `first` on. */
+typedef struct {
+    cl_mem buffer;
+    cl_ulong first;
+} sv_depth_target;
 
 /* Kernel source, embedded by the build. */
 typedef struct {
@@ -156,7 +173,7 @@ typedef struct {
     const sv_ref_method *definition;
 
     /* SV_USES(...) of every parameter that matters for it: the others leave its surface as it is. */
-    uint32_t parameters;
+    uint64_t parameters;
 
     bool linear;     /* in the depths of the points */
     bool takes_sums; /* on its own it starts from the planes that the points stage wrote: no maps of points */
@@ -173,17 +190,17 @@ typedef struct {
     /* Enqueues what is needed once, after the buffers; or NULL. */
     sv_status (*prepare)(const sv_map *map, sv_method_state *state);
 
-    /* Takes slabs, for methods that need more of the volume than the points; or NULL. Such a method is asked
-     * for no points, is not filtered and works on pixels, whatever the reduction. */
+    /* For methods that need more of the volume than the points: all three, and then no `run`; or NULL. Such a
+     * method is asked for no points, is not filtered and works on pixels, whatever the reduction; the map has
+     * no surfaces. `slabs` takes slabs, and `find` all of them: it writes the record, sv_stats' part. `place`
+     * writes the depthmap at q, after `find` and for every other q. */
     sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *slabs);
+    sv_status (*find)(const sv_map *map, sv_method_state *state, const sv_frame_context *frame);
+    sv_status (*place)(const sv_map *map, sv_method_state *state, float q, const sv_depth_target *to);
 
     /* From map->points to the surfaces, planes 0 .. planes - 1. With no point it must change nothing: the
      * surfaces hold zeros. */
     sv_status (*run)(const sv_map *map, sv_method_state *state, uint32_t planes);
-
-    /* For a method that takes the slabs and is not linear: from what the last run found out to the first
-     * surface plane at q, after every run and for every other q; or NULL: another q means another run. */
-    sv_status (*at_q)(const sv_map *map, sv_method_state *state, float q);
 
     /* Passes that the record shall name after a run; or NULL: the run writes the record itself. */
     uint32_t (*passes)(const sv_map *map);
@@ -201,14 +218,14 @@ typedef struct {
     sv_status (*spline_report)(const sv_map *map, const sv_method_state *state, sv_spline_report *out);
 } sv_method;
 
-#define SV_USES(NAME) (1u << SV_PARAM_##NAME)
+#define SV_USES(NAME) (UINT64_C(1) << SV_PARAM_##NAME)
 /* What matters where the initial points decide whether there is a surface at all (cl/common/record.clh). */
 #define SV_USES_EVIDENCE                                                                                     \
     (SV_USES(FLUID_THRESHOLD) | SV_USES(BONE_MODE) | SV_USES(EVIDENCE) | SV_USES(MIN_GAP) |                  \
      SV_USES(DROP_EMPTY) | SV_USES(SUBSTEPS))
 /* What matters for every method that starts from them. */
 #define SV_USES_POINTS (SV_USES_EVIDENCE | SV_USES(PREFILTER) | SV_USES(REDUCTION))
-_Static_assert(SV_PARAM_ID_END <= 32, "sv_method.parameters has a bit per parameter");
+_Static_assert(SV_PARAM_ID_END <= 64, "sv_method.parameters has a bit per parameter");
 
 /* The tables of the methods. */
 #define SV_METHOD_TABLE(NAME, value, key) extern const sv_method sv_method_##key;

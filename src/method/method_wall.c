@@ -7,6 +7,7 @@
 
 #include "device/queue.h"
 #include "ref/ref_wall.h"
+#include "wall_layout.h"
 
 #include <stdlib.h>
 
@@ -19,6 +20,21 @@ static bool by_items(const sv_map *m) {
 
 static const sv_wall_work *work_of(const sv_map *m) {
     return by_items(m) ? &sv_wall_items : &sv_wall_rows;
+}
+
+sv_wall_layout *sv_wall_layout_in(sv_method_state *s) {
+    _Static_assert(sizeof(sv_wall_layout) <= sizeof s->own, "the layout has room in the state");
+    return (sv_wall_layout *)(void *)s->own.bytes;
+}
+
+_Static_assert((int)SV_WALL_EXTENT_MM == (int)SV_ASSUMED_EXTENT_MM, "an unknown spacing is assumed alike");
+
+/* The default settings in voxels, blocks and layers of a map. */
+static sv_wall_layout layout_of(const sv_map *m) {
+    const float *mm = m->config->spacing;
+    const double spacing_mm[3] = {(double)mm[0], (double)mm[1], (double)mm[2]};
+    const sv_wall_settings settings = sv_wall_settings_default();
+    return sv_wall_layout_of(m->width, m->height, m->config->slices, spacing_mm, &settings);
 }
 
 /* Vectors of SV_WALL_TOGETHER rays in a row. */
@@ -52,7 +68,8 @@ static size_t sum_bytes(const sv_map *m, const sv_wall_layout *l) {
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
-    const sv_wall_layout l = sv_wall_layout_of_map(m);
+    const sv_wall_layout l = layout_of(m);
+    *sv_wall_layout_in(s) = l;
     const size_t pixels = (size_t)m->padded_width * m->height, plane = padded_columns(&l) * l.rows;
     const size_t cells = sv_wall_lanes_of(l.cells[0]) * l.cells[1] * l.layers;
     const size_t fine = SV_WALL_MAX_NEIGHBOUR +
@@ -91,7 +108,7 @@ static sv_status write_buffer(const sv_map *m, cl_mem buffer, const void *data, 
 }
 
 static sv_status prepare(const sv_map *m, sv_method_state *s) {
-    const sv_wall_layout l = sv_wall_layout_of_map(m);
+    const sv_wall_layout l = *sv_wall_layout_in(s);
     uint32_t tables[SV_WALL_TABLE_WORDS];
     const size_t count = (size_t)l.columns + l.rows;
     const size_t bytes = count * sizeof(sv_wall_span) + vectors_of(&l) * sizeof(sv_wall_taps);
@@ -116,21 +133,19 @@ static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slab
     return work_of(m)->slabs(m, s, from);
 }
 
-static sv_status run_from(const sv_map *m, const sv_method_state *s, uint32_t first, uint32_t end, float q) {
-    sv_wall_layout layout = sv_wall_layout_of_map(m);
-    layout.q = q;
-    layout.last = m->continues ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
-    layout.clip_doubtful = (uint32_t)m->values.of[SV_PARAM_UNSURE] == SV_UNSURE_CLIP;
-    return sv_wall_launch_all(m, s, work_of(m), first, end, &layout, (uint32_t)scratch_words(m, &layout));
+static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_context *frame) {
+    sv_wall_layout *l = sv_wall_layout_in(s);
+    l->last = frame->continues ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
+    l->clip_doubtful = (uint32_t)m->values.of[SV_PARAM_UNSURE] == SV_UNSURE_CLIP;
+    return sv_wall_launch_all(m, s, work_of(m), 0, work_of(m)->first_at_q, (uint32_t)scratch_words(m, l),
+                              NULL);
 }
 
-static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
-    (void)planes; /* one plane, which `at_q` fills */
-    return run_from(m, s, 0, work_of(m)->first_at_q, 0.5f);
-}
-
-static sv_status at_q(const sv_map *m, sv_method_state *s, float q) {
-    return run_from(m, s, work_of(m)->first_at_q, work_of(m)->count, q);
+static sv_status place(const sv_map *m, sv_method_state *s, float q, const sv_depth_target *to) {
+    sv_wall_layout *l = sv_wall_layout_in(s);
+    l->q = q;
+    return sv_wall_launch_all(m, s, work_of(m), work_of(m)->first_at_q, work_of(m)->count,
+                              (uint32_t)scratch_words(m, l), to);
 }
 
 static cl_mem confidence(const sv_method_state *s) {
@@ -175,7 +190,7 @@ const sv_method sv_method_wall = {.parameters = SV_USES(UNSURE),
                                   .buffers = buffers,
                                   .prepare = prepare,
                                   .slabs = slabs,
-                                  .run = run,
-                                  .at_q = at_q,
+                                  .find = find,
+                                  .place = place,
                                   .confidence = confidence,
                                   .confidence_report = confidence_report};

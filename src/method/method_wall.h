@@ -53,8 +53,8 @@ typedef enum {
 } sv_wall_over;
 
 /* Arguments besides the layout, which is always the first, and the method's buffers: numbers before these,
- * the frame's buffers behind. */
-enum { SV_WALL_BOUNDS = 1, SV_WALL_SCRATCH_WORDS = 2, SV_WALL_RECORD = 4, SV_WALL_SURFACES = 8 };
+ * the record, or place and buffer of the depthmap, behind. */
+enum { SV_WALL_BOUNDS = 1, SV_WALL_SCRATCH_WORDS = 2, SV_WALL_RECORD = 4, SV_WALL_DEPTH = 8 };
 
 /* Kernels that are not launched for every volume, or for every setting. */
 typedef enum { SV_WALL_ALWAYS, SV_WALL_IF_SMOOTHED, SV_WALL_IF_DOUBTFUL_CLIPS } sv_wall_when;
@@ -74,8 +74,8 @@ typedef struct {
     uint32_t count, first_at_q;     /* their number; the first one that depends on q */
 } sv_wall_work;
 
-/* Returns the default settings in voxels, blocks and layers of a map. */
-sv_wall_layout sv_wall_layout_of_map(const sv_map *map);
+/* The layout of an activation's map, with what the frame says of it. It is the method's own. */
+sv_wall_layout *sv_wall_layout_in(sv_method_state *state);
 
 /* Rounds up to a multiple of SV_WALL_LANES. */
 size_t sv_wall_lanes_of(uint32_t values);
@@ -86,10 +86,10 @@ size_t sv_wall_kinds_bytes(const sv_wall_layout *layout);
 /* True if pixels have ranges. */
 bool sv_wall_is_bounded(const sv_config *config);
 
-/* Launches what follows the slabs, `first` .. end - 1. `scratch_words`: of a row of rays. */
-sv_status sv_wall_launch_all(const sv_map *map, const sv_method_state *state, const sv_wall_work *work,
-                             uint32_t first, uint32_t end, const sv_wall_layout *layout,
-                             uint32_t scratch_words);
+/* Launches what follows the slabs, `first` .. end - 1. `scratch_words`: of a row of rays. `to`: for the
+ * kernel that writes depths. */
+sv_status sv_wall_launch_all(const sv_map *map, sv_method_state *state, const sv_wall_work *work,
+                             uint32_t first, uint32_t end, uint32_t scratch_words, const sv_depth_target *to);
 
 /* The layouts of cl/wall/wall_*.cl and of cl/wall/items_*.cl. */
 extern const sv_wall_work sv_wall_rows, sv_wall_items;

@@ -79,8 +79,8 @@ static uint32_t layers_to_launch(const sv_placed_slab *from, const sv_wall_layou
 }
 
 static sv_status take_slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
-    const sv_wall_layout layout = sv_wall_layout_of_map(m);
-    const bool padded = m->config->padding != SV_NO_PADDING;
+    const sv_wall_layout layout = *sv_wall_layout_in(s);
+    const bool padded = m->config->padding < 256;
     sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_RANGE], sv_wall_items_kernels[K_RANGE], from,
                                  s->buffer[SV_WALL_PLACES]);
     sv_launch_arg(&l, sizeof layout, &layout);
@@ -213,7 +213,7 @@ static const sv_wall_launch launches[] = {
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, -1}},
     {.kernel = K_UPSAMPLE,
-     .takes = SV_WALL_SURFACES,
+     .takes = SV_WALL_DEPTH,
      .over = SV_WALL_EACH_PIXEL,
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_PLACES, SV_WALL_CONFIDENCE, -1}},

@@ -44,7 +44,7 @@ sv_source sv_wall_rows_source(void) {
 }
 
 static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from) {
-    const sv_wall_layout layout = sv_wall_layout_of_map(m);
+    const sv_wall_layout layout = *sv_wall_layout_in(s);
     sv_launch l = sv_slabs_launch(m, s->kernels.kernel[K_DOWNSAMPLE], sv_wall_rows_kernels[K_DOWNSAMPLE],
                                   from, s->buffer[SV_WALL_PLACES]);
     sv_launch_arg(&l, sizeof layout, &layout);
@@ -150,7 +150,7 @@ static const sv_wall_launch launches[] = {
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, -1}},
     {.kernel = K_UPSAMPLE,
-     .takes = SV_WALL_SURFACES,
+     .takes = SV_WALL_DEPTH,
      .over = SV_WALL_PIXEL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_PLACES, SV_WALL_CONFIDENCE, -1}},

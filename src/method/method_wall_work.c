@@ -1,17 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method_wall.h"
 
-#include "wall_layout.h"
-
-sv_wall_layout sv_wall_layout_of_map(const sv_map *m) {
-    const float *mm = m->config->spacing;
-    const double spacing_mm[3] = {(double)mm[0], (double)mm[1], (double)mm[2]};
-    const sv_wall_settings settings = sv_wall_settings_default();
-    return sv_wall_layout_of(m->width, m->height, m->config->slices, spacing_mm, &settings);
-}
-
 bool sv_wall_is_bounded(const sv_config *c) {
-    return c->ranged || c->padding != SV_NO_PADDING;
+    return c->ranged || c->padding < 256;
 }
 
 size_t sv_wall_lanes_of(uint32_t values) {
@@ -55,9 +46,9 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
     return sv_launch_pixels(l, layout->width, layout->height, stage);
 }
 
-sv_status sv_wall_launch_all(const sv_map *m, const sv_method_state *s, const sv_wall_work *work,
-                             uint32_t first, uint32_t end, const sv_wall_layout *layout,
-                             uint32_t scratch_words) {
+sv_status sv_wall_launch_all(const sv_map *m, sv_method_state *s, const sv_wall_work *work, uint32_t first,
+                             uint32_t end, uint32_t scratch_words, const sv_depth_target *to) {
+    const sv_wall_layout *layout = sv_wall_layout_in(s);
     const bool smoothed = layout->smoothed != 0;
     sv_status status = SV_OK;
     for (uint32_t i = first; status == SV_OK && i < end; i++) {
@@ -72,8 +63,8 @@ sv_status sv_wall_launch_all(const sv_map *m, const sv_method_state *s, const sv
         for (const int *b = w->buffers; *b >= 0; b++)
             sv_launch_buffer(&l, s->buffer[*b == SV_WALL_SMOOTHED && !smoothed ? SV_WALL_LEVELS : *b]);
         if (w->takes & SV_WALL_RECORD) sv_launch_buffer(&l, m->record);
-        if (w->takes & SV_WALL_SURFACES) sv_launch_uint(&l, m->padded_width);
-        if (w->takes & SV_WALL_SURFACES) sv_launch_buffer(&l, m->surfaces);
+        if (w->takes & SV_WALL_DEPTH) sv_launch_arg(&l, sizeof to->first, &to->first);
+        if (w->takes & SV_WALL_DEPTH) sv_launch_buffer(&l, to->buffer);
         status = launch_over(&l, w->over, layout, w->stage);
     }
     return status;

@@ -23,7 +23,7 @@ static void texture_args(sv_launch *l, const sv_map *m) {
 
 static void scanned_args(sv_launch *l, const sv_map *m, cl_mem unread) {
     const sv_config *c = m->config;
-    sv_launch_uint(l, c->padding == SV_NO_PADDING ? 256 : (uint32_t)c->padding);
+    sv_launch_uint(l, c->padding);
     sv_launch_uint(l, c->ranged);
     sv_launch_uint(l, m->padded_width);
     sv_launch_buffer(l, c->ranged ? m->scanned : unread);
