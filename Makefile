@@ -167,7 +167,6 @@ format: # apply .clang-format to all C and OpenCL C, ruff's format to Python
 bench: setup # times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
 	@$(call build,build,,sv_bench test_lit_shapes smartvis host_sim sv_definitions)
 	build/sv_bench
-	build/sv_bench --only growth
 	build/tests/test_lit_shapes 512
 	@mkdir -p $(OUT)/bench
 	@scripts/python_env.sh build/python/bench python/requirements-test.txt

@@ -29,7 +29,7 @@ typedef struct {
     uint32_t fixed_count, value_count;
     uint32_t q_id; /* 0: the plugin has no such knob, and adjust is not timed */
     plain_frame *plain;
-    bench_samples samples[BENCH_PARTS], processor;
+    bench_samples samples[BENCH_PARTS];
     sv_stats stats;
     sv_points_report points;
 } bench;
@@ -125,7 +125,6 @@ static bool make_memory(bench *b, hs_error *err) {
         return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %zu rays", rays);
     for (int p = 0; p < BENCH_PARTS; p++)
         if (!bench_samples_create(&b->samples[p], b->setup->frames, err)) return false;
-    if (!bench_samples_create(&b->processor, b->setup->frames, err)) return false;
     b->plain =
         plain_frame_create(b->setup->team, b->variant->n, b->variant->n, b->variant->n, &settings, err);
     if (!b->plain || !b->host_queue) return b->plain;
@@ -300,12 +299,10 @@ static bool time_frames(bench *b, hs_progress *progress, hs_error *err) {
         ms[BENCH_READ] = time_read(b);
         if (!b->setup->method) ms[BENCH_PLAIN] = time_plain(b);
         if (!plugin_dropped(b, &ms[BENCH_DROPPED], err)) return false;
-        const double busy = bench_processor_ms();
         if (!plugin_frame(b, NULL, ms, err)) return false;
-        if (i >= WARM_UP) bench_samples_add(&b->processor, bench_processor_ms() - busy);
         if (b->q_id && !plugin_adjust(b, &ms[BENCH_ADJUST], err)) return false;
         for (int p = 0; i >= WARM_UP && p < BENCH_PARTS; p++) bench_samples_add(&b->samples[p], ms[p]);
-        if (progress && i >= WARM_UP) hs_progress_step(progress, i + 1 - WARM_UP);
+        if (i >= WARM_UP) hs_progress_step(progress, i + 1 - WARM_UP);
     }
     return true;
 }
@@ -345,7 +342,6 @@ static void release(bench *b) {
     if (b->buffer) (void)clReleaseMemObject(b->buffer);
     if (b->depth_buffer) (void)clReleaseMemObject(b->depth_buffer);
     for (int p = 0; p < BENCH_PARTS; p++) bench_samples_destroy(&b->samples[p]);
-    bench_samples_destroy(&b->processor);
     free(b->depth);
     free(b->plain_depth);
     free(b->status);
@@ -367,7 +363,6 @@ bool bench_plugin_run(const bench_plugin_setup *setup, const bench_slabs *slabs,
                     verify(&b, &result->difference, err) && time_frames(&b, progress, err) &&
                     time_stages(&b, result, err);
     for (int p = 0; ok && p < BENCH_PARTS; p++) result->times[p] = bench_samples_times(&b.samples[p]);
-    result->processor = bench_samples_times(&b.processor);
     result->stats = b.stats;
     result->points = b.points;
     release(&b);

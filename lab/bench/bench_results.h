@@ -51,7 +51,6 @@ typedef struct {
     const char *method; /* "mean" is what plain C computes; others are timed without it (BENCH_PLAIN is 0) */
     uint32_t frames;
     hs_timing times[BENCH_PARTS];
-    hs_timing processor; /* of a frame, all threads */
     sv_stats stats;
     sv_points_report points; /* size 0: the plugin does not tell */
     double difference;       /* largest of the plugin's depths from plain C's, slices */
@@ -103,12 +102,6 @@ typedef struct {
 
 /* Times frames and prints the table; false with an error of plugin or device. */
 bool bench_frame_run(const bench_frame_setup *setup, hs_error *err);
-
-/* ------------------------------------------------------------------------------------------- growth -- */
-/* How time grows with voxels. */
-
-/* HS_ERR_*. Prints as it goes. `setup` as for bench_plugin_run. */
-bool bench_growth_run(const bench_plugin_setup *setup, hs_error *err);
 
 /* --------------------------------------------------------------------------------------------- results -- */
 

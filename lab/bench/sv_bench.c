@@ -21,9 +21,9 @@ enum {
 static const uint32_t sizes[SIZES] = {128, 171, 512}; /* voxels an axis that --size chooses from */
 static const uint32_t kernels[SIZES] = {23, 23, 55};  /* k, by size */
 
-typedef enum { PART_PLUGIN, PART_WORST, PART_FRAME, PART_GROWTH, PARTS } part;
+typedef enum { PART_PLUGIN, PART_WORST, PART_FRAME, PARTS } part;
 
-static const char *const part_names[PARTS] = {"plugin", "worst", "frame", "growth"};
+static const char *const part_names[PARTS] = {"plugin", "worst", "frame"};
 
 typedef struct {
     char usual[1024]; /* where the plugin lies by default */
@@ -73,8 +73,7 @@ static bool take_part(void *all, const char *text, hs_error *err) {
     options *const o = all;
     bool found = false;
     for (int i = 0; i < PARTS; i++) found |= o->part[i] = strcmp(text, part_names[i]) == 0;
-    return found || hs_fail(err, HS_ERR_USAGE,
-                            "--only: '%s' is none of 'plugin', 'worst', 'frame' and 'growth'", text);
+    return found || hs_fail(err, HS_ERR_USAGE, "--only: '%s' is none of 'plugin', 'worst' and 'frame'", text);
 }
 
 static bool take_quick(void *all, const char *text, hs_error *err) {
@@ -130,7 +129,7 @@ static const hs_option known[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_param},
     {"only", "PART",
      "'plugin' or 'frame', on its way into the scan loop (default: both); or 'worst': 10000\n"
-     "frames of each combination, as the plugin stands; or 'growth': time by voxels\n",
+     "frames of each combination, as the plugin stands\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_part},
     {"size", "N", "volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n", HS_OPTION_TAKEN, 0,
      0, 0, take_size},
@@ -168,7 +167,7 @@ static void print_help(void) {
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
     *o = (options){.host_frames = 20, .host_size = 400};
-    for (int i = 0; i < PARTS; i++) o->part[i] = i != PART_GROWTH && i != PART_WORST;
+    for (int i = 0; i < PARTS; i++) o->part[i] = i != PART_WORST;
     hs_guard_defaults(&o->guard);
     hs_plugin_default_path(o->usual, sizeof o->usual);
     o->plugin = o->usual;
@@ -279,20 +278,8 @@ static bool run_frame_part(bench_run *run, hs_error *err) {
     return bench_frame_run(&setup, err);
 }
 
-static bool run_growth_part(bench_run *run, hs_error *err) {
-    const bench_plugin_setup setup = {.plugin = &run->plugin,
-                                      .cl = &run->cl,
-                                      .team = run->team,
-                                      .frames = run->o.frames,
-                                      .values = run->values,
-                                      .value_count = run->o.value_count};
-    return bench_growth_run(&setup, err);
-}
-
-static bool (*const part_runs[PARTS])(bench_run *run, hs_error *err) = {[PART_PLUGIN] = run_plugin_part,
-                                                                        [PART_WORST] = run_worst_part,
-                                                                        [PART_FRAME] = run_frame_part,
-                                                                        [PART_GROWTH] = run_growth_part};
+static bool (*const part_runs[PARTS])(bench_run *run, hs_error *err) = {
+    [PART_PLUGIN] = run_plugin_part, [PART_WORST] = run_worst_part, [PART_FRAME] = run_frame_part};
 
 static bool measure(bench_run *run, hs_error *err) {
     for (uint32_t i = 0; i < run->o.value_count; i++)
