@@ -26,8 +26,8 @@ sv_status surface(sva *a, float *depth) {
 const sv_descriptor descriptor = SVA_DESCRIPTOR("org.example.fluid", "Fluid", "Example", "1.0.0",
                                                 "The first fluid on every ray.", SV_FEATURE_SCANNED);
 
-const sva_method method = {&descriptor, nullptr, 0,       0,       0,       nullptr, nullptr,
-                           nullptr,     nullptr, surface, nullptr, nullptr, nullptr};
+const sva_method method = {&descriptor, nullptr, 0,       0,       0,       nullptr, nullptr, nullptr,
+                           nullptr,     surface, nullptr, nullptr, nullptr, nullptr, nullptr};
 
 } // namespace
 

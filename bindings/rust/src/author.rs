@@ -44,6 +44,8 @@ structs! {
         adjust: Option<unsafe extern "C" fn(a: *mut sva, depth: *mut f32) -> sv_status>,
         output: Option<unsafe extern "C" fn(a: *mut sva, result: *const sv_result) -> sv_status>,
         extension: Option<unsafe extern "C" fn(a: *const sva, id: *const c_char) -> *const c_void>,
+        abandon: Option<unsafe extern "C" fn(a: *mut sva)>,
+        depends_values: Option<unsafe extern "C" fn(param: *const sva_param) -> u64>,
     }
     /// An instance as its method sees it.
     struct sva {
@@ -65,7 +67,7 @@ structs! {
         fixed: *mut f64,
         next_slice: u32,
         state: u32,
-        reason: [c_char; 256],
+        reason: [c_char; 512],
     }
 }
 
@@ -193,6 +195,8 @@ macro_rules! plugin {
                 adjust: None,
                 output: None,
                 extension: None,
+                abandon: None,
+                depends_values: None,
             };
             unsafe extern "C" fn finish(a: *mut sva, depth: *mut f32) -> sv_status {
                 run(a, depth, $method)
