@@ -179,18 +179,31 @@ static sv_result make_result(hs_clipper *clipper) {
                        .stats = &clipper->stats};
 }
 
+/* A plugin that is not told the pose, or does not heed it, takes a turned camera for another scene. */
+static uint32_t frame_flags(const hs_clipper *clipper, const hs_moment *m) {
+    const sv_descriptor *d = clipper->plugin->instance->descriptor;
+    const bool heeds = (d->features & SV_FEATURE_PROBE) != 0;
+    const bool posed =
+        heeds && (m->told.side[0] != 0.0f || m->told.side[1] != 0.0f || m->told.side[2] != 0.0f);
+    if (!m->continues || (m->moved && !posed)) return SV_FRAME_DISCONTINUITY;
+    return m->same_volume && heeds ? SV_FRAME_SAME_VOLUME : 0;
+}
+
 /* begin, every slab, end. A note (a positive status) of begin or slab changes nothing: the outcome is that of
  * end. Returns it, or the first error; *call names the call it came from. */
 static sv_status ask_plugin(hs_clipper *clipper, hs_moment moment, const char **call) {
     const sv_plugin *instance = clipper->plugin->instance;
     sv_frame frame = {.size = sizeof frame,
-                      .flags = moment.continues ? 0 : SV_FRAME_DISCONTINUITY,
+                      .flags = frame_flags(clipper, &moment),
                       .index = moment.index,
                       .time_ns = moment.time_ns,
                       .values = clipper->value_count ? clipper->values : NULL,
-                      .value_count = clipper->value_count};
-    memcpy(frame.probe_rotation, moment.probe_rotation, sizeof frame.probe_rotation);
-    memcpy(frame.probe_side, moment.probe_side, sizeof frame.probe_side);
+                      .value_count = clipper->value_count,
+                      .beams = moment.told.beams,
+                      .beam_sweep_mm = moment.told.sweep_mm};
+    memcpy(frame.probe_rotation, moment.told.rotation, sizeof frame.probe_rotation);
+    memcpy(frame.probe_side, moment.told.side, sizeof frame.probe_side);
+    memcpy(frame.beam_apex_mm, moment.told.apex_mm, sizeof frame.beam_apex_mm);
     hs_slabs_describe_frame(clipper->slabs, clipper->own_queue, &frame);
     *call = "begin";
     sv_status status = instance->begin(instance, &frame);
@@ -262,6 +275,7 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
     /* With the host's queue end returns SV_OK before the outcome is known: the statistics tell it. */
     if (status == SV_OK) clip->outcome = clipper->stats.outcome;
     clip->clipped = hs_outcome_clips(clip->outcome);
+    if (clip->clipped) clip->doubt = hs_plugin_doubt(clipper->plugin->instance);
     clip->has_confidence = clip->clipped && hs_confidence_map_settle(clipper->confidence);
     return true;
 }

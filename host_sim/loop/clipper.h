@@ -28,6 +28,7 @@ bool hs_outcome_clips(sv_status outcome);
 typedef struct {
     bool clipped;            /* the map may be used: hs_outcome_clips */
     bool has_confidence;     /* and so may its confidence */
+    hs_doubt doubt;          /* of a surface that may be used */
     sv_status outcome;       /* the plugin's; SV_ERR_STATE if it is not there or not active */
     sv_stats stats;          /* the plugin's; zeros if it failed */
     sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */
@@ -54,9 +55,11 @@ bool hs_clipper_wants_confidence(const hs_clipper *clipper);
 /* Which volume a frame is about. */
 typedef struct {
     uint64_t index;
-    uint64_t time_ns;                       /* when it was acquired; 0: unknown */
-    bool continues;                         /* the volume before, seen by the same camera */
-    float probe_rotation[9], probe_side[3]; /* as in sv_frame */
+    uint64_t time_ns; /* when it was acquired; 0: unknown */
+    bool continues;   /* the scan of the frame before */
+    bool same_volume; /* and the very volume */
+    bool moved;       /* the camera, since that frame */
+    hs_told told;
 } hs_moment;
 
 /* One frame: begin, every slab, end; waits for the queue. The slabs must be converted, and the queue have

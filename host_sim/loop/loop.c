@@ -331,7 +331,9 @@ hs_moment hs_loop_alone(const hs_loop *loop, uint32_t index) {
     hs_moment moment = {.index = index};
     hs_camera camera;
     hs_loop_camera(loop, index, &camera);
-    hs_camera_probe(&camera, hs_source_shape(loop->source), moment.probe_rotation, moment.probe_side);
+    const hs_slab_layout *l = hs_slabs_layout(loop->slabs);
+    const uint32_t voxels[3] = {l->width, l->height, l->slices};
+    hs_camera_tell(&camera, hs_source_shape(loop->source), voxels, &moment.told);
     return moment;
 }
 
@@ -339,12 +341,14 @@ static hs_moment hs_loop_moment(hs_loop *loop, uint32_t index) {
     const hs_loop_options *o = &loop->options;
     /* What starts again jumps back in time; an orbit moves the camera with every frame. */
     const bool next = loop->has_before && index == loop->before + 1 && index % loop->source->count != 0;
-    const bool same = loop->has_before && index >= loop->before && loop->source->count == 1;
-    const bool still = (o->orbit == 0 || o->frames < 2) && !loop->turned;
-    loop->turned = false;
+    const bool again =
+        loop->has_before && index >= loop->before && (index == loop->before || loop->source->count == 1);
     hs_moment moment = hs_loop_alone(loop, index);
     moment.time_ns = (index + UINT64_C(1)) * FRAME_NS;
-    moment.continues = still && (next || same);
+    moment.continues = next || again;
+    moment.same_volume = again && !o->live; /* a live scan's volume is a new one, though it looks the same */
+    moment.moved = (o->orbit != 0 && o->frames > 1) || loop->turned;
+    loop->turned = false;
     loop->has_before = true;
     loop->before = index;
     return moment;
@@ -353,6 +357,7 @@ static hs_moment hs_loop_moment(hs_loop *loop, uint32_t index) {
 void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame) {
     frame->clipped = clip->clipped;
     frame->has_confidence = clip->has_confidence;
+    frame->doubt = clip->doubt;
     frame->outcome = clip->outcome;
     frame->stats = clip->stats;
     frame->points = clip->points;

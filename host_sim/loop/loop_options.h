@@ -83,6 +83,7 @@ typedef struct {
     double ms[HS_STAGE_COUNT];
     bool clipped;            /* the picture was rendered with the plugin's map (hs_outcome_clips) */
     bool has_confidence;     /* and its ghosting with the plugin's confidence */
+    hs_doubt doubt;          /* of the map that it was rendered with */
     sv_status outcome;       /* the plugin's, SV_OK if it was not asked */
     sv_stats stats;          /* the plugin's; zeros if it was not asked or failed */
     sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */

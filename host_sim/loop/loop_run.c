@@ -93,6 +93,8 @@ static void count_outcome(hs_loop_result *result, const hs_frame *frame) {
     else
         result->failed_frames++;
     result->partial_frames += frame->clipped && frame->outcome == SV_PARTIAL;
+    result->doubtful_frames += frame->clipped && frame->doubt.wanted > 0.0f;
+    result->doubt = frame->doubt;
     result->outcome = frame->outcome;
     result->stats = frame->stats;
     result->points = frame->points;

@@ -51,6 +51,8 @@ typedef struct {
     hs_timing stage[HS_STAGE_COUNT];
     double volumes_per_second; /* 1000 / median of the whole loop */
     double plugin_share;       /* median of the plugin / median of the loop, 0 .. 1 */
+    uint32_t doubtful_frames;  /* clipped although the plugin doubts it */
+    hs_doubt doubt;            /* of the last frame */
     sv_status outcome;         /* of the last frame, with its statistics */
     sv_stats stats;
     sv_points_report points;

@@ -3,6 +3,7 @@
 
 #include "base/progress.h"
 #include "loop/sequence.h"
+#include "volume/fan_fit.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -67,6 +68,7 @@ static slot *next_to_load(hs_stream *s) {
 static void load_slot(hs_stream *s, slot *at) {
     at->error = (hs_error){0};
     const bool ok = hs_sequence_read(s->sequence, at->index, &at->volume, &at->error);
+    if (ok) hs_volume_share_beams(&at->volume, &s->shape);
     pthread_mutex_lock(&s->lock);
     at->state = ok ? READY : FAILED;
     pthread_cond_broadcast(&s->changed);
@@ -120,6 +122,7 @@ static hs_stream *hs_stream_open(hs_sequence *sequence, hs_error *err) {
     (void)pthread_cond_init(&s->changed, NULL);
     if (hs_sequence_read(s->sequence, 0, &s->slots[0].volume, err)) {
         s->slots[0].state = READY;
+        hs_volume_find_beams(&s->slots[0].volume);
         s->shape = s->slots[0].volume;
         s->running = pthread_create(&s->thread, NULL, read_ahead, s) == 0;
         if (s->running) return s;
@@ -165,6 +168,7 @@ static bool read_one(hs_source *source, hs_error *err) {
     if (!source->file || !source->volumes) return hs_fail(err, HS_ERR_MEMORY, "source: no memory");
     source->volumes[0] = source->file;
     const bool ok = hs_sequence_read(source->sequence, 0, source->file, err);
+    if (ok) hs_volume_find_beams(source->file);
     hs_sequence_rest(source->sequence);
     return ok;
 }

@@ -103,6 +103,21 @@ static bool reason_words(const sv_confidence_report *r, char words[HS_REASON_BYT
     }
 }
 
+hs_doubt hs_plugin_doubt(const sv_plugin *instance) {
+    const sv_ext_confidence *ext = hs_plugin_confidence(instance);
+    sv_confidence_report r = {.size = sizeof r};
+    const bool told = ext && ext->offered(instance) && ext->read(instance, NULL, &r) == SV_OK;
+    return told && r.reason != SV_REASON_NONE ? (hs_doubt){r.found, r.wanted} : (hs_doubt){0};
+}
+
+bool hs_doubt_words(hs_doubt doubt, char *words, size_t bytes) {
+    if (!(doubt.wanted > 0.0f)) return false;
+    (void)snprintf(words, bytes,
+                   "Clipped although doubtful (%.0f %%, sure from %.0f %%): the fetus may be cut.",
+                   100.0 * (double)doubt.found, 100.0 * (double)doubt.wanted);
+    return true;
+}
+
 bool hs_plugin_reason(const sv_plugin *instance, sv_confidence_report *out, char words[HS_REASON_BYTES]) {
     const sv_ext_confidence *ext = hs_plugin_confidence(instance);
     *out = (sv_confidence_report){.size = sizeof *out};

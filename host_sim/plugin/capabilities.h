@@ -56,6 +56,18 @@ enum { HS_REASON_BYTES = 320 };
  * words for who holds the probe. False: the plugin does not tell. Waits for the queue. */
 bool hs_plugin_reason(const sv_plugin *instance, sv_confidence_report *out, char words[HS_REASON_BYTES]);
 
+/* A surface that was clipped at although the plugin doubts it: so much was found, and it is sure from
+ * `wanted` on. `wanted` is 0 if it does not doubt it, or does not tell. */
+typedef struct {
+    float found, wanted;
+} hs_doubt;
+
+/* [control & active] That of the last frame. Waits for the queue. */
+hs_doubt hs_plugin_doubt(const sv_plugin *instance);
+
+/* "Clipped although doubtful (14 %, sure from 30 %): the fetus may be cut."; false without a doubt. */
+bool hs_doubt_words(hs_doubt doubt, char *words, size_t bytes);
+
 /* [frame & active, after end or adjust] Asks for the report on the last frame's points. With the host's queue
  * it is valid, and its memory must stay, until the queue has run. out->size is 0 if the plugin does not tell:
  * the report is for people to read, so a failure costs the frame nothing. */

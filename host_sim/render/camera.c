@@ -46,17 +46,8 @@ static void multiply(const double a[9], const double b[9], double out[9]) {
             out[i * 3 + j] = a[i * 3] * b[j] + a[i * 3 + 1] * b[3 + j] + a[i * 3 + 2] * b[6 + j];
 }
 
-/* The camera's axes at yaw and pitch 0 for each face of the volume: the turn that leads there. */
-static void probe_axes(const hs_volume *volume, double out[9]) {
-    static const double turns[HS_PROBE_COUNT][2] = {
-        [HS_PROBE_LOW_Z] = {0, 0},   [HS_PROBE_HIGH_Z] = {180, 0}, [HS_PROBE_LOW_Y] = {0, -90},
-        [HS_PROBE_HIGH_Y] = {0, 90}, [HS_PROBE_LOW_X] = {90, 0},   [HS_PROBE_HIGH_X] = {-90, 0}};
-    rotation_of(turns[volume->probe][0], turns[volume->probe][1], out);
-    if (!hs_pose_is_mirrored(&volume->pose)) return;
-    for (size_t k = 0; k < 3; k++) out[k * 3] = -out[k * 3];
-}
-
-/* The same for a place around the patient. World to volume is the transpose of the directions. */
+/* The camera's axes at yaw and pitch 0 for a place around the patient. World to volume is the transpose of
+ * the directions. */
 static void patient_axes(const hs_volume *volume, hs_from from, double out[9]) {
     static const double views[HS_FROM_COUNT][9] = {
         /* columns: the picture's right, its down, and where the camera looks; rows: left, back, head */
@@ -92,7 +83,7 @@ void hs_camera_look_from(hs_camera *camera, const hs_volume *volume, hs_from fro
                          double pitch_deg) {
     double start[9], rotation[9];
     if (from == HS_FROM_PROBE)
-        probe_axes(volume, start);
+        hs_probe_axes(volume, volume->probe, start);
     else
         patient_axes(volume, from, start);
     rotation_of(yaw_deg, pitch_deg, rotation);
@@ -113,15 +104,27 @@ void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, 
     hs_camera_look_from(camera, volume, HS_FROM_PROBE, yaw_deg, pitch_deg);
 }
 
-void hs_camera_probe(const hs_camera *camera, const hs_volume *volume, float rotation[9], float side[3]) {
+void hs_camera_tell(const hs_camera *camera, const hs_volume *volume, const uint32_t voxels[3],
+                    hs_told *told) {
     const double *c = camera->rotation;
     const double to_camera[9] = {c[0], c[3], c[6], c[1], c[4], c[7], c[2], c[5], c[8]};
-    double from_probe[9], seen[9], turned[9];
-    probe_axes(volume, from_probe);
+    const double box[3] = {camera->extent, camera->extent, camera->depth_extent};
+    double from_probe[9], seen[9], turned[9], size[3];
+    *told = (hs_told){.beams = (uint32_t)volume->course.kind};
+    hs_probe_axes(volume, volume->probe, from_probe);
     multiply(to_camera, from_probe, seen);
     multiply(seen, volume->probe_turn, turned);
-    for (int k = 0; k < 9; k++) rotation[k] = (float)(turned[k] + 0.0); /* no -0 */
-    for (int k = 0; k < 3; k++) side[k] = (float)(0.0 - turned[k * 3 + 2]);
+    for (int k = 0; k < 9; k++) told->rotation[k] = (float)(turned[k] + 0.0); /* no -0 */
+    for (int k = 0; k < 3; k++) told->side[k] = (float)(0.0 - turned[k * 3 + 2]);
+    if (volume->course.kind != HS_BEAMS_FAN) return;
+    volume_size_mm(volume, size);
+    told->sweep_mm = (float)volume->course.sweep;
+    for (int k = 0; k < 3; k++) {
+        double from_centre = 0.0;
+        for (int m = 0; m < 3; m++)
+            from_centre += to_camera[k * 3 + m] * (volume->course.apex[m] - 0.5 * size[m]);
+        told->apex_mm[k] = (float)(from_centre + 0.5 * box[k] - 0.5 * box[k] / voxels[k]);
+    }
 }
 
 void hs_camera_merge_box(hs_camera *camera, const hs_camera *other) {

@@ -54,9 +54,16 @@ void hs_camera_roll(hs_camera *camera, const hs_volume *volume, double roll_deg)
 /* Looks from the probe, as hs_camera_look_from does from other places. */
 void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg);
 
-/* How the camera's axes stand to the probe's: sv_frame.probe_rotation and probe_side, zeros if `volume` does
- * not say where the probe was. */
-void hs_camera_probe(const hs_camera *camera, const hs_volume *volume, float rotation[9], float side[3]);
+/* What a frame tells of the probe and its beams: the fields of sv_frame, along the camera's axes. */
+typedef struct {
+    float rotation[9], side[3]; /* zeros if nobody knows where the probe was */
+    uint32_t beams;             /* hs_beam_kind */
+    float apex_mm[3], sweep_mm; /* from the centre of the first voxel of the box */
+} hs_told;
+
+/* The same for a box of so many voxels (x, y, z) that `camera` looks into. */
+void hs_camera_tell(const hs_camera *camera, const hs_volume *volume, const uint32_t voxels[3],
+                    hs_told *told);
 
 /* Enlarges the box of `camera` so that it holds the box of `other` (an orbit uses one box for all views). */
 void hs_camera_merge_box(hs_camera *camera, const hs_camera *other);

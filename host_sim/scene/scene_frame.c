@@ -159,6 +159,21 @@ static bool run_steps(making *m) {
     return true;
 }
 
+/* Where the probe was, and its fan (scene_camera.c), from the middle of the camera's cube. */
+static void tell_beams(const hs_scene_spec *spec, hs_volume *full) {
+    const double middle[3] = {0.5 * full->nx * full->spacing[0], 0.5 * full->ny * full->spacing[1],
+                              0.5 * full->nz * full->spacing[2]};
+    const double radius = (double)spec->fan.azimuth_radius_mm;
+    hs_course *c = &full->course;
+    hs_volume_scanned_from(full, HS_PROBE_LOW_Z);
+    hs_scene_camera_turn(spec, full->probe_turn);
+    c->kind = spec->fan.on ? HS_BEAMS_FAN : HS_BEAMS_PARALLEL;
+    if (!spec->fan.on) return;
+    for (int k = 0; k < 3; k++) c->apex[k] = middle[k] - full->probe_turn[k * 3 + 2] * (radius + middle[2]);
+    c->sweep = radius - (double)spec->fan.sweep_radius_mm;
+    c->face = radius;
+}
+
 static bool allocate(making *m, const uint32_t n[3], const float h[3]) {
     hs_scene_data *out = m->data;
     const char *name = m->spec.name;
@@ -167,8 +182,7 @@ static bool allocate(making *m, const uint32_t n[3], const float h[3]) {
     if (!hs_volume_init(&out->truth, n[0], n[1], n[2], m->err)) return false;
     for (int a = 0; a < 3; a++)
         out->full.spacing[a] = out->truth.spacing[a] = m->given ? m->given->spacing[a] : (double)h[a];
-    hs_volume_scanned_from(&out->full, HS_PROBE_LOW_Z);
-    hs_scene_camera_turn(&m->spec, out->full.probe_turn);
+    tell_beams(&m->spec, &out->full);
     if (m->given) out->full.pose = out->truth.pose = m->given->pose;
     snprintf(out->full.name, sizeof out->full.name, "%s", name);
     snprintf(out->truth.name, sizeof out->truth.name, "%s truth", name);

@@ -34,6 +34,21 @@ typedef enum {
     HS_PROBE_COUNT
 } hs_probe;
 
+/* How the beams run; the values are those of sv_frame.beams. */
+typedef enum { HS_BEAMS_UNKNOWN = 0, HS_BEAMS_PARALLEL = 1, HS_BEAMS_FAN = 2 } hs_beam_kind;
+
+/* The beams along the probe's axes (hs_volume.probe and probe_turn). Lengths are mm. */
+typedef struct {
+    hs_beam_kind kind;
+    double apex[3]; /* of a fan: where the lines of its middle plane meet, from the volume's corner */
+    double sweep;   /* from there, along the probe's z, to the axis that is swept about; parallel to its x */
+    double face;    /* radius at which the lines begin */
+    double misfit;  /* half of the scan's border lies closer to the fan; 0: the file says the fan */
+    bool found;     /* the probe's face was found in the fan: nobody stated it */
+    hs_probe asked[2]; /* faces where the probe may be, if that is worth a question */
+    uint32_t asked_count;
+} hs_course;
+
 /* Directions along the world's axes, origin 0, nothing stated. */
 void hs_pose_default(hs_pose *pose);
 
@@ -81,6 +96,7 @@ typedef struct {
     double
         probe_turn[9]; /* row-major: the probe's axes (x along its array, z along the beams) in those of who
                           looks from `probe`. Identity but for a scene's turned camera; zeros: unknown */
+    hs_course course;  /* of zeros: not looked for */
     uint8_t *voxels;   /* nx * ny * nz bytes, owned */
     hs_beams *beams;   /* in probe geometry, what this is the Cartesian copy of; owned; NULL: there is none */
     char name[256];    /* for messages and captions: a file's name or a scene's */
@@ -94,6 +110,13 @@ bool hs_volume_init(hs_volume *volume, uint32_t nx, uint32_t ny, uint32_t nz, hs
 
 /* Says that the probe was at this face: `probe`, and a `probe_turn` of identity. */
 void hs_volume_scanned_from(hs_volume *volume, hs_probe probe);
+
+/* True if it is said where the probe was: a turn that is not all zeros. */
+bool hs_probe_is_known(const hs_volume *volume);
+
+/* The axes of who looks from this face, upright, as columns in those of the volume; x is reversed if these
+ * are left-handed. */
+void hs_probe_axes(const hs_volume *volume, hs_probe face, double out[9]);
 
 /* Frees the voxels and the beams, and zeroes the struct. Safe on a zeroed struct. */
 void hs_volume_free(hs_volume *volume);

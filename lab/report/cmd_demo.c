@@ -136,7 +136,7 @@ static const char *about(const hs_demo_case *c, const hs_run *run) {
 static void keep_results(hs_demo_case *c, const hs_run *run) {
     const hs_loop_result *r = &run->results[HS_SETTING_SMARTVIS];
     const hs_frame frame = {
-        .clipped = hs_outcome_clips(r->outcome), .outcome = r->outcome, .stats = r->stats};
+        .clipped = hs_outcome_clips(r->outcome), .doubt = r->doubt, .outcome = r->outcome, .stats = r->stats};
     sv_param_info knob;
     c->clipped = frame.clipped;
     c->has_knob = run->has_plugin && hs_plugin_find_primary(&run->plugin, &knob);

@@ -142,6 +142,7 @@ class Clipper:
         self._begin, self._take, self._end = self._calls.begin, self._calls.slab, self._calls.end
         self._frame = _abi.sized(_abi.sv_frame, values=self._values, value_count=len(self._values))
         self._probe_told = False
+        self._heeds_probe = bool(self._plugin.features & _abi.SV_FEATURE_PROBE)
         self._slab = _abi.sized(_abi.sv_slab, slice_count=self._shape[0], bytes=self._bytes)
         self._out = _abi.sized(
             _abi.sv_result,
@@ -159,20 +160,25 @@ class Clipper:
         *,
         time_ns: int = 0,
         discontinuity: bool = False,
+        same_volume: bool = False,
         probe: Any = None,
+        beams: Any = None,
     ) -> Result:
         """Clips one volume. `scanned`: [y, x, 2], first scanned slice and the first behind the scan, uint16; for
         clippers made with ``scanned=True``. `time_ns`: when it was acquired, 0: unknown. `discontinuity`: it does
         not continue the volume before. `probe`: the rotation [3, 3] from the probe's axes (z away from it) to the
-        volume's x, y, z; or three numbers, the unit vector to the probe alone; None: unknown."""
+        volume's x, y, z; or three numbers, the unit vector to the probe alone; None: unknown. `same_volume`: the one
+        before, by another camera or with other values. `beams`: how they run, with the rotation of `probe`: "parallel",
+        or a fan: its apex (x, y, z, mm from the centre of voxel [0, 0, 0]) and the mm from there to the sweep's axis."""
         address = self._address(volume)
         ranges = self._ranges(scanned)
         frame, slab, instance = self._frame, self._slab, self._active()
-        self._tell_probe(probe)
+        self._tell_probe(probe, beams)
         self.result.source = volume
         frame.index = self._frame_index
         frame.time_ns = time_ns
         frame.flags = _abi.SV_FRAME_DISCONTINUITY if discontinuity else 0
+        frame.flags |= _abi.SV_FRAME_SAME_VOLUME if same_volume and self._heeds_probe else 0
         frame.scanned = None if ranges is None else _at(ranges)
         slab.memory = address
         self._frame_index += 1
@@ -269,15 +275,20 @@ class Clipper:
         self._scanned = np.ascontiguousarray(scanned)
         return self._scanned
 
-    def _tell_probe(self, probe: Any) -> None:
+    def _tell_probe(self, probe: Any, beams: Any) -> None:
         """What the frame says of it; the plugin checks the numbers."""
-        if probe is None and not self._probe_told:
+        if probe is None and beams is None and not self._probe_told:
             return
+        fan = beams is not None and beams != "parallel"
+        apex, sweep = (tuple(map(float, beams[0])), float(beams[1])) if fan else ((0.0, 0.0, 0.0), 0.0)
+        self._frame.beams = _abi.SV_BEAMS_FAN if fan else _abi.SV_BEAMS_PARALLEL if beams else _abi.SV_BEAMS_UNKNOWN
+        self._frame.beam_apex_mm[:] = apex
+        self._frame.beam_sweep_mm = sweep
         told = np.zeros(3) if probe is None else _checked_probe(probe)
         whole = told.ndim == 2
         self._frame.probe_rotation[:] = told.ravel().tolist() if whole else [0.0] * 9
         self._frame.probe_side[:] = (-told[:, 2] if whole else told).tolist()
-        self._probe_told = probe is not None
+        self._probe_told = probe is not None or beams is not None
 
     def _check(self, call: str, status: int, plain: bool = False) -> None:
         """`plain`: the call knows no success but SV_OK."""

@@ -8,6 +8,7 @@ import pickle
 import subprocess
 import threading
 import tracemalloc
+from typing import Any
 
 import numpy as np
 import pytest
@@ -66,13 +67,19 @@ def test_where_the_probe_is(volume: np.ndarray) -> None:
     turned = np.array([[0.0, 0, -1], [0, 1, 0], [1, 0, 0]])  # probe's z along -x
     told = {"none": None, "whole": turned, "side": [0, 0.6, -0.8]}
     with Clipper(SHAPE, plugin=recorder, confidence=False) as clipper:
+        beams: dict[str, Any] = {"whole": ((1, 2, -57), 23), "side": None, "none": None}
         for name in ("whole", "side", "none"):
-            clipper(volume, probe=told[name])
+            clipper(volume, probe=told[name], beams=beams[name], same_volume=name == "side")
             address = clipper._calls.get_extension(clipper._instance, b"test.record/1")
             frame = ctypes.cast(address, ctypes.POINTER(_Record)).contents.frame
             assert list(frame.probe_rotation) == (turned.ravel().tolist() if name == "whole" else [0] * 9)
             sides: dict[str, list[float]] = {"none": [0, 0, 0], "whole": [1, 0, 0], "side": [0, 0.6, -0.8]}
             assert np.allclose(list(frame.probe_side), sides[name])
+            fan = ([*frame.beam_apex_mm], frame.beam_sweep_mm, frame.beams)
+            assert fan == (([1, 2, -57], 23, 2) if name == "whole" else ([0, 0, 0], 0, 0))
+            assert frame.flags == (_abi.SV_FRAME_SAME_VOLUME if name == "side" else 0)
+        clipper(volume, probe=turned, beams="parallel")
+        assert frame.beams == _abi.SV_BEAMS_PARALLEL
         with pytest.raises(ValueError, match=r"probe has shape \(4,\)"):
             clipper(volume, probe=[1, 0, 0, 0])
     # clip() is told in the volume's axes; the plugin refuses what is no rotation. A view along +x of a probe at slice 0

@@ -5,8 +5,6 @@
 #include "frame/pipeline.h"
 #include "quantise.h"
 
-#include <string.h>
-
 static const sv_descriptor descriptor = {
     .size = sizeof descriptor,
     .id = "org.smartvis.clip",

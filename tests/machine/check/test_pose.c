@@ -137,6 +137,33 @@ static void probes_look_into_the_volume(void **state) {
         }
 }
 
+static const uint32_t box_voxels[3] = {8, 16, 32};
+
+static void tell(const hs_camera *camera, const hs_volume *volume, sv_frame *frame) {
+    hs_told told;
+    hs_camera_tell(camera, volume, box_voxels, &told);
+    memcpy(frame->probe_rotation, told.rotation, sizeof told.rotation);
+    memcpy(frame->probe_side, told.side, sizeof told.side);
+    memcpy(frame->beam_apex_mm, told.apex_mm, sizeof told.apex_mm);
+    frame->beam_sweep_mm = told.sweep_mm;
+    frame->beams = told.beams;
+}
+
+/* The map by which slabs are made leads from the told apex, in voxels of the box, to the volume's own. */
+static void the_apex_is_where_it_was(const hs_camera *camera, const hs_volume *volume,
+                                     const sv_frame *frame) {
+    const double box[3] = {camera->extent, camera->extent, camera->depth_extent};
+    hs_box_map map;
+    double part[3];
+    hs_camera_box_map(camera, volume, &map);
+    for (int k = 0; k < 3; k++) part[k] = (double)frame->beam_apex_mm[k] / box[k] + 0.5 / box_voxels[k];
+    for (int k = 0; k < 3; k++) {
+        const double index = map.origin[k] + part[0] * map.du[k] + part[1] * map.dv[k] + part[2] * map.dw[k];
+        assert_true(fabs((index + 0.5) * volume->spacing[k] - volume->course.apex[k]) < 1e-4);
+    }
+    assert_true(frame->beams == SV_BEAMS_FAN && frame->beam_sweep_mm == 5.0f);
+}
+
 /* Looked at from the probe, its axes are the camera's. From elsewhere, beams that run into the volume run so
  * in the camera's axes, too, and the probe is where they come from. */
 static void the_probe_is_where_the_beams_come_from(void **state) {
@@ -151,12 +178,14 @@ static void the_probe_is_where_the_beams_come_from(void **state) {
                 char wrong[200];
                 assert_true(hs_pose_from_letters(&volume.pose, mirrored ? "LAI" : "RAI"));
                 hs_camera_look_from(&camera, &volume, places[n % 3], n / 3 * 40.0, n / 3 * -25.0);
-                hs_camera_probe(&camera, &volume, frame.probe_rotation, frame.probe_side);
+                tell(&camera, &volume, &frame);
                 for (int k = 0; k < 9; k++) assert_true(frame.probe_rotation[k] == 0.0f);
                 hs_volume_scanned_from(&volume, (hs_probe)probe);
                 hs_camera_look(&from_probe, &volume, 0, 0);
                 hs_camera_look_from(&camera, &volume, places[n % 3], n / 3 * 40.0, n / 3 * -25.0);
-                hs_camera_probe(&camera, &volume, frame.probe_rotation, frame.probe_side);
+                volume.course = (hs_course){.kind = HS_BEAMS_FAN, .apex = {4, 3, 2}, .sweep = 5};
+                tell(&camera, &volume, &frame);
+                the_apex_is_where_it_was(&camera, &volume, &frame);
                 if (!sv_probe_holds(&frame, wrong, sizeof wrong)) fail_msg("%s", wrong);
                 for (int row = 0; row < 3; row++)
                     for (int column = 0; column < 3; column++) {

@@ -60,7 +60,7 @@ def planes_lie_in_the_patient(b):
     choose(b, "source", "file 0 D01_full.mha")
     settle(b, "a file that does not say how the patient lies")
     found = {view: directions(b, view) for view in straight}
-    unsaid = {view: [name.split(",")[0], "   ", ""] for view, (name, _, _) in straight.items()}
+    unsaid = {view: [name.split(",")[0], "   ", probe] for view, (name, _, probe) in straight.items()}  # the fan shows the probe
     holds(found == unsaid, f"not said: {found}")
 
 

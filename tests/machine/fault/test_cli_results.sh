@@ -59,9 +59,10 @@ expect 4 "2304 of 2304 rays differ" "${run[@]}" --volume plain.mha --reference k
 
 # ------------------------------------------------------------------------------------------ orientation
 expect 0 "in the patient: not said" info plain.mha
-expect 0 "first voxel at (0, 0, 0) mm; probe at -z" info plain.mha
+expect 0 "beams: unknown; nobody says where the probe was" info plain.mha
+expect 0 "Beams    parallel, from +y" "${run[@]}" --volume plain.mha --probe +y
 expect 0 "in the patient: x to the right, y to the head, z to the back (LIA)" info lying.mha
-expect 0 "first voxel at (1, 2, 3) mm (left, back, head); probe at -z" info lying.mha
+expect 0 "first voxel at (1, 2, 3) mm (left, back, head)" info lying.mha
 expect 0 "AnatomicalOrientation says LPI instead: TransformMatrix counts" info doubt.mha
 expect 0 "the axes are left-handed" info mirror.mha
 expect 0 "Camera   from anterior, yaw 0" "${run[@]}" --volume lying.mha --view anterior
@@ -99,6 +100,7 @@ holds grep -aqxF "DimSize = 24 24 24 2" out/clipped.mha
 holds [ -s out/surface_0001.ply ]
 expect 0 "a sequence of 2 volumes" info out/clipped.mha
 expect 0 "its bytes alone" info --timing out/clipped.mha
+expect 0 "Clipped although doubtful (14 %, sure from 30 %): the fetus may be cut." "${run[@]}" --plugin "$build/tests/plugins/confidence_doubtful.so" --volume plain.mha
 expect 4 "confidence: the plugin gave none" "${run[@]}" --volume plain.mha --write confidence
 expect 4 "nothing is cut away in 1" "${run[@]}" --volume plain.mha --write mask --set fail=end
 expect 2 "--write: 'depth' is none of depthmap, confidence, status, clipped, mask, surface, or all" "${run[@]}" --volume plain.mha --write depth

@@ -153,32 +153,48 @@ static void where_the_probe_is(void **state) {
         open_plugin(&plugin, "recorder");
         hs_loop_options o = options_with(NULL, 0);
         o.yaw = 90; /* it looks along the volume's x: the beams run to the picture's left */
+        scanned.course = (hs_course){.kind = known ? HS_BEAMS_FAN : HS_BEAMS_UNKNOWN, .sweep = 7};
         if (!known) memset(scanned.probe_turn, 0, sizeof scanned.probe_turn);
         static const float turned[9] = {0, 0, -1, 0, 1, 0, 1, 0, 0};
         const record *seen = one_frame(&f, &plugin, &o, 0);
         for (int k = 0; k < 9; k++) assert_true(seen->frame.probe_rotation[k] == (known ? turned[k] : 0.0f));
         for (int k = 0; k < 3; k++) assert_true(seen->frame.probe_side[k] == (float)(known && k == 0));
+        /* The volume's corner is at the picture's right end, 16 pixels of 3 mm. */
+        static const float corner[3] = {46.5f, -1.5f, -1.5f};
+        assert_int_equal(seen->frame.beams, known ? SV_BEAMS_FAN : SV_BEAMS_UNKNOWN);
+        assert_true(seen->frame.beam_sweep_mm == (known ? 7.0f : 0.0f));
+        for (int k = 0; k < 3; k++)
+            assert_true(fabsf(seen->frame.beam_apex_mm[k] - (known ? corner[k] : 0.0f)) < 1e-4f);
         hs_plugin_close(&plugin);
     }
 }
 
-/* A still volume continues; a sequence does until it starts again; a camera that turns does not. */
+/* A still volume continues, and is the same one unless it is scanned live; a sequence continues until it
+ * starts again; a camera that turns does where the plugin is told the pose. */
 static void what_continues(void **state) {
     fixture f = *(const fixture *)*state;
-    for (uint32_t kind = 0; kind < 3; kind++) {
+    enum { STILL, SEQUENCE, ORBIT, ORBIT_TOLD, LIVE, KINDS };
+    hs_volume scanned = f.layers;
+    const hs_volume *volumes[] = {&scanned, &scanned};
+    f.source.volumes = volumes;
+    for (uint32_t kind = 0; kind < KINDS; kind++) {
         hs_plugin plugin;
         open_plugin(&plugin, "recorder");
-        f.source.count = kind == 1 ? 2 : 1;
+        f.source.count = kind == SEQUENCE ? 2 : 1;
+        if (kind >= ORBIT_TOLD) hs_volume_scanned_from(&scanned, HS_PROBE_LOW_Z);
         hs_loop_options o = options_with(NULL, 0);
-        o.orbit = kind == 2 ? 30 : 0;
+        o.orbit = kind == ORBIT || kind == ORBIT_TOLD ? 30 : 0;
+        o.live = kind == LIVE;
         hs_loop *loop = make_loop_of(&f, &plugin, &o);
         for (uint32_t index = 0; index < 4; index++) {
             hs_error err = {0};
             hs_frame frame;
             assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &frame, &err));
-            const bool continues = kind == 0 ? index > 0 : kind == 1 ? index % 2 == 1 : false;
-            const bool told = !(record_of(&plugin)->frame.flags & SV_FRAME_DISCONTINUITY);
-            if (told != continues) fail_msg("kind %u, frame %u: continues is %d", kind, index, told);
+            const bool continues = kind == SEQUENCE ? index % 2 == 1 : kind != ORBIT && index > 0;
+            const bool same = continues && kind != SEQUENCE && kind != LIVE;
+            const uint32_t flags = record_of(&plugin)->frame.flags;
+            if (flags != (same ? SV_FRAME_SAME_VOLUME : continues ? 0u : (uint32_t)SV_FRAME_DISCONTINUITY))
+                fail_msg("kind %u, frame %u: flags are %u", kind, index, flags);
         }
         hs_loop_destroy(loop);
         hs_plugin_close(&plugin);

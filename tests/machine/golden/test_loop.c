@@ -201,6 +201,28 @@ static void a_note_of_begin_changes_nothing(void **state) {
     hs_plugin_close(&noting);
 }
 
+/* What is clipped although the plugin doubts it is never shown as a success. */
+static void a_doubtful_surface_is_called_so(void **state) {
+    const fixture *f = *state;
+    const sv_param_value value = {.id = DEPTH, .value = 5};
+    const hs_loop_options o = options_with(&value, 1);
+    hs_plugin doubtful;
+    hs_loop_result r;
+    hs_error err = {0};
+    char note[160];
+    open_plugin(&doubtful, "confidence_doubtful");
+    hs_loop *loop = make_loop_of(f, &doubtful, &o);
+    hs_view view = view_of(loop, 0);
+    assert_true(view.frame.clipped && view.frame.outcome == SV_OK);
+    assert_string_equal(hs_frame_note(&view.frame, "", note, sizeof note),
+                        "Clipped although doubtful (14 %, sure from 30 %): the fetus may be cut.");
+    assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &r, &err));
+    assert_int_equal(r.doubtful_frames, FRAMES);
+    hs_view_free(&view);
+    hs_loop_destroy(loop);
+    hs_plugin_close(&doubtful);
+}
+
 /* ------------------------------------------------------------------------------ the loop -- */
 
 static void frames_create_and_compile_nothing(void **state) {
@@ -339,6 +361,7 @@ int main(void) {
         cmocka_unit_test(a_flat_plane_clips_where_it_lies),
         cmocka_unit_test(every_carrier_and_queue_gives_the_picture_of_a_tilted_plane),
         cmocka_unit_test(a_partial_map_clips_where_it_has_a_surface),
+        cmocka_unit_test(a_doubtful_surface_is_called_so),
         cmocka_unit_test(a_note_of_begin_changes_nothing),
         cmocka_unit_test(frames_create_and_compile_nothing),
         cmocka_unit_test(results_add_up),

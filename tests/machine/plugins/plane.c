@@ -24,7 +24,8 @@ enum {
     CONFIDENCE_NAN,
     CONFIDENCE_ABOVE,
     CONFIDENCE_OLD,
-    CONFIDENCE_NONE
+    CONFIDENCE_NONE,
+    CONFIDENCE_DOUBTFUL
 };
 
 typedef struct {
@@ -68,6 +69,7 @@ static const variant variants[] = {
     {"by_leave", .fails_by = FAIL_BY_LEAVING},
     {"by_grab", .fails_by = FAIL_BY_GRABBING},
     {"confidence_ramp", .confidence = CONFIDENCE_RAMP},
+    {"confidence_doubtful", .confidence = CONFIDENCE_DOUBTFUL},
     {"confidence_full", .confidence = CONFIDENCE_FULL},
     {"confidence_fails", .confidence = CONFIDENCE_FAILS},
     {"confidence_nan", .confidence = CONFIDENCE_NAN},
@@ -252,7 +254,12 @@ static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _c
 }
 
 static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
-    (void)out;
+    if (self()->confidence == CONFIDENCE_DOUBTFUL && out) {
+        out->reason = SV_REASON_DOUBTFUL;
+        out->found = 0.14f;
+        out->wanted = 0.3f;
+        if (!map) return SV_OK;
+    }
     return map ? confidence_write(plugin, map, NULL, 0) : SV_ERR_STATE;
 }
 

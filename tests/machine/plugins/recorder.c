@@ -5,7 +5,7 @@
 #include "support/record.h"
 
 #ifndef RECORDER_FEATURES
-#define RECORDER_FEATURES (SV_FEATURE_SCANNED | SV_FEATURE_PADDING)
+#define RECORDER_FEATURES (SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_PROBE)
 #endif
 
 static record seen = {.size = sizeof seen}; /* one instance is all that a test makes */

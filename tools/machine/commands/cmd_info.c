@@ -7,6 +7,7 @@
 #include "commands/info_timing.h"
 #include "commands/run.h"
 #include "loop/source_options.h"
+#include "volume/fan_fit.h"
 #include "volume/metaimage_write.h"
 
 #include <math.h>
@@ -56,9 +57,16 @@ static void print_pose(const hs_volume *v) {
                  v->pose.contradicted);
     if (hs_pose_is_mirrored(&v->pose))
         (void)printf("  the axes are left-handed: pictures are drawn with x reversed, as the patient is\n");
-    hs_print(stdout, "  first voxel at (%g, %g, %g) mm%s; probe at %s\n", v->pose.origin[0],
-             v->pose.origin[1], v->pose.origin[2], v->pose.stated ? " (left, back, head)" : "",
-             hs_probe_name(v->probe));
+    hs_print(stdout, "  first voxel at (%g, %g, %g) mm%s\n", v->pose.origin[0], v->pose.origin[1],
+             v->pose.origin[2], v->pose.stated ? " (left, back, head)" : "");
+}
+
+static void print_course(const hs_volume *v) {
+    char words[160], question[160];
+    hs_course_words(v, words, sizeof words);
+    hs_course_question(v, question, sizeof question);
+    (void)printf("  beams: %s\n", words);
+    if (question[0]) (void)printf("  %s\n", question);
 }
 
 /* `from`: how values became levels; NULL: they always were. */
@@ -76,6 +84,7 @@ static void print_volume(const hs_volume *v, const hs_levels *from) {
     hs_print(stdout, "  %s\n", size);
     if (hs_volume_doubt(v, doubt)) hs_print(stdout, "  %s\n", doubt);
     print_pose(v);
+    print_course(v);
     if (from) hs_levels_words(from, outside, sizeof outside);
     (void)printf("  %.2f %% of the voxels were not scanned%s", 100 * hs_unscanned_share(v), outside);
     if (high > 0)
@@ -140,6 +149,7 @@ static bool print_kretz(const char *path, const request *r, hs_error *err) {
     else
         for (uint32_t i = volumes; ok && i-- > 0;) ok = hs_kretz_read(kretz, i, &volume, err);
     if (ok && r->cartesian) ok = write_cartesian(r->cartesian, &volume, err);
+    if (ok) hs_volume_find_beams(&volume);
     if (ok) print_kretz_volume(path, &volume, r->number, volumes);
     hs_volume_free(&volume);
     hs_kretz_close(kretz);
@@ -176,6 +186,7 @@ static bool print_metaimage(const char *path, const hs_metaimage_options *read, 
         if (volumes > 1 || left_out > 0)
             print_sequence(volumes, left_out, &said,
                            said.has_time && last.has_time ? last.time - said.time : 0);
+        hs_volume_find_beams(&first);
         print_volume(&first, hs_metaimage_levels(file));
     }
     hs_volume_free(&first);

@@ -42,6 +42,7 @@ static json_t *plugin_part(const hs_loop_result *r, bool *ok) {
         json_pack("{s:I, s:I, s:I}", "rays", (json_int_t)s->rays, "points", (json_int_t)s->points, "unfilled",
                   (json_int_t)s->unfilled),
         ok);
+    put(part, "doubtful_frames", json_integer(r->doubtful_frames), ok);
     const sv_points_report *p = &r->points;
     if (p->size > 0)
         put(part, "points",

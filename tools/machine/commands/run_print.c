@@ -5,6 +5,7 @@
 #include "plugin/capabilities.h"
 #include "plugin/loader_param.h"
 #include "render/camera.h"
+#include "volume/fan_fit.h"
 
 #include <unistd.h>
 
@@ -14,6 +15,15 @@ static const char *carrier_name(uint32_t carrier) {
     return carrier == SV_CARRIER_HOST     ? "host memory"
            : carrier == SV_CARRIER_BUFFER ? "OpenCL buffer"
                                           : "OpenCL image";
+}
+
+/* How the beams ran, and what nobody knows about it. */
+static void print_beams(const hs_volume *v, FILE *out) {
+    char words[160], question[160];
+    hs_course_words(v, words, sizeof words);
+    hs_course_question(v, question, sizeof question);
+    (void)fprintf(out, "Beams    %s\n", words);
+    if (question[0]) (void)fprintf(out, "         %s\n", question);
 }
 
 static void print_facts(const hs_run *run, FILE *out) {
@@ -45,9 +55,10 @@ static void print_facts(const hs_run *run, FILE *out) {
         hs_print(out, "         AnatomicalOrientation says %s: TransformMatrix counts\n",
                  v->pose.contradicted);
     (void)fprintf(out, "Camera   from %s%s, yaw %g, pitch %g, orbit %g degrees; picture %u x %u\n",
-                  o->from == HS_FROM_PROBE ? "the probe at " : "",
+                  o->from == HS_FROM_PROBE && hs_probe_is_known(v) ? "the probe at " : "",
                   o->from == HS_FROM_PROBE ? hs_probe_name(v->probe) : hs_from_name(o->from), o->yaw,
                   o->pitch, o->orbit, o->dvr.width, o->dvr.height);
+    print_beams(v, out);
     (void)fprintf(out, "Slabs    %u x %u x %u voxels in %u slabs of %u slices, %s\n", l->width, l->height,
                   l->slices, hs_slab_count(l), l->slab_slices, carrier_name(o->carrier));
     if (run->has_plugin) (void)fprintf(out, "Scanned  told by %s\n", hs_fan_name(o->fan));
@@ -123,6 +134,7 @@ static void print_plugin(const hs_run *run, const hs_loop_result *r, FILE *out) 
                       t->transfer_ms, t->profile_ms, t->threshold_ms, t->reconstruct_ms, t->output_ms);
     (void)fprintf(out, "Frames: %u clipped", r->clipped_frames);
     if (r->partial_frames > 0) (void)fprintf(out, ", %u of them in part", r->partial_frames);
+    if (r->doubtful_frames > 0) (void)fprintf(out, ", %u of them although doubtful", r->doubtful_frames);
     (void)fprintf(out, "; rendered unclipped: %u by the plugin's note, %u by its failure\n", r->note_frames,
                   r->failed_frames);
     const sv_stats *s = &r->stats;
@@ -142,7 +154,11 @@ static void print_plugin(const hs_run *run, const hs_loop_result *r, FILE *out) 
                       p->empty_points, p->sure_points, (double)p->bone_threshold, (double)p->volume_max,
                       p->passes);
     (void)fprintf(out, "\n");
+    char words[120];
     if (r->outcome == SV_NO_SURFACE) print_reason(run, out);
+    if (hs_doubt_words(r->doubt, words, sizeof words))
+        (void)fprintf(out, "%s%s%s\n", hs_use_colour(fileno(out)) ? "\033[33m" : "", words,
+                      hs_use_colour(fileno(out)) ? "\033[0m" : "");
 }
 
 static void print_written(const hs_result_report *w, FILE *out) {

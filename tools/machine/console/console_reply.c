@@ -6,6 +6,7 @@
 #include "scene/scene.h"
 #include "scene/scene_spec.h"
 #include "show/loop_pictures.h"
+#include "volume/fan_fit.h"
 
 #include <jansson.h>
 #include <limits.h>
@@ -200,6 +201,7 @@ static json_t *lane_part(const hs_console_stage *stage, uint32_t i) {
     put(one, "outcome", json_string(hs_status_name(l->frame.outcome)));
     put(one, "words", hs_json_text(note ? note : "Clipped."));
     put(one, "clipped", json_boolean(l->frame.clipped));
+    put(one, "doubtful", json_boolean(l->frame.clipped && l->frame.doubt.wanted > 0.0f));
     put(one, "failed", json_boolean(hs_lane_error(l)->code != HS_OK));
     put(one, "adjusted", json_boolean(l->was_adjusted));
     put(one, "activation_ms", json_real(l->activation_ms));
@@ -221,11 +223,18 @@ static json_t *lane_part(const hs_console_stage *stage, uint32_t i) {
 /* Where the probe is, seen from the picture's middle, and where the picture's axes run in the patient, if the
  * file says so. */
 static void put_directions(json_t *source, const hs_camera *camera, const hs_volume *volume) {
-    float rotation[9], probe[3];
+    static const uint32_t voxels[3] = {1, 1, 1};
+    char words[160];
+    hs_told told;
     double axes[9];
-    hs_camera_probe(camera, volume, rotation, probe);
-    if (probe[0] != 0.0f || probe[1] != 0.0f || probe[2] != 0.0f)
-        put(source, "probe", json_pack("[f, f, f]", (double)probe[0], (double)probe[1], (double)probe[2]));
+    hs_camera_tell(camera, volume, voxels, &told);
+    if (hs_probe_is_known(volume))
+        put(source, "probe",
+            json_pack("[f, f, f]", (double)told.side[0], (double)told.side[1], (double)told.side[2]));
+    hs_course_words(volume, words, sizeof words);
+    put(source, "beams", json_string(words));
+    hs_course_question(volume, words, sizeof words);
+    if (words[0]) put(source, "question", json_string(words));
     if (!hs_camera_in_patient(camera, volume, axes)) return;
     put(source, "patient",
         json_pack("[[f, f, f], [f, f, f], [f, f, f]]", axes[0], axes[3], axes[6], axes[1], axes[4], axes[7],

@@ -141,6 +141,15 @@ function pluginPicker(lane) {
   return select;
 }
 
+/* To clip although it is doubtful was said of one volume. */
+function forgetConsent() {
+  state.lanes.forEach((lane, i) => {
+    if (!("unsure" in lane.values)) return;
+    delete lane.values.unsure;
+    refreshControls(i);
+  });
+}
+
 /* What one may start from, by keys of SmartVis; other plugins that have them all may, too. */
 const PRESETS = [
   ["Careful", "More stays in front of the fetus; nothing is removed where fluid is doubtful", { q: 0.75, unsure: "keep" }],

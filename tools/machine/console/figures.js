@@ -84,7 +84,7 @@ function showOutcome(text) {
   box.dataset.words = words;
   box.replaceChildren(...text.lanes.flatMap((lane, i) => {
     const name = text.lanes.length > 1 ? "12"[i] + ": " : "";
-    const words = make("p", { class: lane.failed ? "bad" : !lane.clipped ? "" : lane.outcome === "SV_OK" ? "good" : "doubt", text: name + lane.words });
+    const words = make("p", { class: lane.failed ? "bad" : !lane.clipped ? "" : lane.outcome === "SV_OK" && !lane.doubtful ? "good" : "doubt", text: name + lane.words });
     return lane.why ? [words, ...reasonOf(lane, i)] : [words];
   }));
 }
@@ -141,6 +141,7 @@ function showFigures(text) {
   const two = text.lanes.length > 1;
   rows("numbers", text.lanes.flatMap((lane, i) => laneNumbers(lane, two ? " " + "12"[i] : "")).concat([
     ["Volume", source.voxels.join(" × ") + " voxels"],
+    ["Beams", source.beams + (source.question ? ". " + source.question : "")],
     ["Seen by the plugin", source.slabs.join(" × ") + " voxels"],
     ["Picture", source.window_mm.toFixed(0) + (source.mm ? " mm wide" : " voxels wide")],
   ].concat(source.doubt ? [["Spacing", source.doubt]] : [])));

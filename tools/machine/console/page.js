@@ -42,6 +42,7 @@ function showChosenSource() {
 }
 
 function takeSource() {
+  const before = sourceKey(state.source);
   const [kind, first, ...rest] = at("source").value.split(" ");
   const from = at("from").value || "probe";
   if (kind === "scene") {
@@ -51,6 +52,7 @@ function takeSource() {
     state.source = { folder: Number(first), path: rest.join(" "), from };
   }
   state.play.index = 0;
+  if (sourceKey(state.source) !== before) forgetConsent();
   showChosenSource();
   changed(false);
 }

@@ -332,7 +332,7 @@ function paint(view, bitmap) {
 function captionOf(view, lane, name) {
   const one = canvases[view];
   if (!one || !one.caption) return;
-  one.caption.textContent = "Result" + (name ? " " + name : "") + (lane.clipped ? "" : ": not clipped");
+  one.caption.textContent = "Result" + (name ? " " + name : "") + (!lane.clipped ? ": not clipped" : lane.doubtful ? ": doubtful, the fetus may be cut" : "");
   if (lane.failed) one.caption.append(make("span", { class: "why", text: lane.words }));
   one.figure.classList.toggle("failed", lane.failed);
 }

@@ -83,6 +83,7 @@ bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_op
 #define ORBIT_CELL 256u /* pixels */
 
 const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes) {
+    if (frame->clipped && hs_doubt_words(frame->doubt, out, bytes)) return out;
     if (frame->clipped && frame->outcome == SV_OK) return NULL;
     if (frame->clipped)
         (void)snprintf(out, bytes,
@@ -157,9 +158,11 @@ static bool write_plain(const hs_view *view, const uint8_t *pixels, const char *
 
 static bool write_panel(const hs_view *view, const char *folder, const char *title, const char *note,
                         uint32_t cell, hs_error *err) {
+    const char *result = !view->frame.clipped              ? "Result: not clipped"
+                         : view->frame.doubt.wanted > 0.0f ? "Result: doubtful, the fetus may be cut"
+                                                           : "Result";
     const hs_panel_item items[3] = {{.caption = "Full volume", .image = rgba_image(view, view->full)},
-                                    {.caption = view->frame.clipped ? "Result" : "Result: not clipped",
-                                     .image = rgba_image(view, view->result)},
+                                    {.caption = result, .image = rgba_image(view, view->result)},
                                     {.caption = "Ground truth", .image = rgba_image(view, view->truth)}};
     char foot[1400];
     const hs_caption caption = {.title = title, .footer = foot_of(view, note, foot, sizeof foot)};

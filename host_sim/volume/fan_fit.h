@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/* How the beams ran that scanned a volume, found in the outline of what was scanned. */
+#ifndef HS_FAN_FIT_H
+#define HS_FAN_FIT_H
+
+#include "volume/volume.h"
+
+/*
+ * Says how the beams ran (volume->course), and where the probe was if nobody said it:
+ *
+ * - of a volume with beams of its own, exactly;
+ * - else by the toroidal fan whose sides, face and end lie closest to the border between scanned voxels and
+ *   zeros. Where nothing but the volume's own faces ends the scan, there is none. The face of the volume that
+ *   the fan narrows to is the probe's, if it was not stated and no other fits;
+ * - without a fan, parallel from the probe's face, if that was stated.
+ *
+ * Deterministic; some 50 ms. Does not read what is inside the scan.
+ */
+void hs_volume_find_beams(hs_volume *volume);
+
+/* Says of a volume what was found of another one of the same scan. */
+void hs_volume_share_beams(hs_volume *volume, const hs_volume *found);
+
+/* One line about it for a person: "a fan, fitted to within 0.1 mm: lines from 77 mm, sweep from 50 mm". */
+void hs_course_words(const hs_volume *volume, char *out, size_t bytes);
+
+/* What to ask of a person who may know more: "The scan narrows towards -y: is the probe there? --probe -y";
+ * "" if nothing. At most 160 bytes. */
+void hs_course_question(const hs_volume *volume, char *out, size_t bytes);
+
+#endif

@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The beams that are found in the outline of a scan, against those that made it: Cartesian copies of probe
+ * geometry, whose formula is that of a Kretz file, cropped, coarse, and from every face of the volume. What
+ * is no fan is none.
+ */
+#include "support/host_fixture.h"
+#include "volume/fan_fit.h"
+#include "volume/metaimage.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct {
+    double start, depth, axis, theta, phi; /* mm; rad, half of what they span */
+    double spacing;                        /* mm */
+    double from[3], to[3];                 /* the part of the volume that the file has */
+} geometry;
+
+#define WHOLE                                                                                                \
+    {0, 0, 0}, {                                                                                             \
+        1, 1, 1                                                                                              \
+    }
+/* Abdominal probes of three makes, one with its axis behind the array; a file that ends within the fan on
+ * three sides; an endocavity probe; coarse voxels. */
+static const geometry geometries[] = {{57, 90, 23, 0.47, 0.56, 0.6, WHOLE},
+                                      {41.6, 80, -19.2, 0.62, 0.74, 0.7, WHOLE},
+                                      {57, 80, 23, 0.5, 0.56, 0.6, {0.35, 0, 0.02}, {1, 1, 0.9}},
+                                      {57, 80, 23, 0.5, 0.5, 0.6, {0.1, 0.08, 0}, {0.95, 1, 1}},
+                                      {11, 60, 6, 0.9, 1.1, 0.6, WHOLE},
+                                      {50, 90, 4, 0.6, 0.6, 1.4, WHOLE}};
+#define GEOMETRIES (sizeof geometries / sizeof *geometries)
+
+static hs_volume copy_of(const geometry *g) {
+    double theta[2] = {-g->theta, g->theta}, phi[2] = {-g->phi, g->phi};
+    hs_beams shape = {.samples = 2, .lines = 2, .planes = 2, .pitch = g->depth, .start = g->start};
+    hs_error err = {0};
+    hs_volume v;
+    shape.axis = g->axis;
+    shape.theta = theta;
+    shape.phi = phi;
+    hs_beams *b = hs_beams_like(&shape, &err);
+    assert_non_null(b);
+    memset(b->voxels, 100, hs_beams_count(b));
+    if (!hs_beams_cartesian_init(&v, b, g->spacing, &err)) fail_msg("%s", err.text);
+    hs_beams_cartesian_fill(&v);
+    return v;
+}
+
+/* The volume as a file has it whose face `face` is the probe's: a part of it, along other axes. `apex` is mm
+ * from its corner. */
+static hs_volume seen_from(const hs_volume *v, const geometry *g, hs_probe face, double apex[3]) {
+    const uint32_t n[3] = {v->nx, v->ny, v->nz};
+    uint32_t first[3], count[3], size[3] = {0}, at[3];
+    double axes[9];
+    hs_error err = {0};
+    hs_volume out;
+    for (int k = 0; k < 3; k++) {
+        first[k] = (uint32_t)(g->from[k] * n[k]);
+        count[k] = (uint32_t)(g->to[k] * n[k]) - first[k];
+    }
+    hs_probe_axes(v, face, axes);
+    for (int m = 0; m < 3; m++)
+        for (int k = 0; k < 3; k++)
+            if (axes[m * 3 + k] != 0.0) size[m] = count[k];
+    if (!hs_volume_init(&out, size[0], size[1], size[2], &err)) fail_msg("%s", err.text);
+    for (int m = 0; m < 3; m++) {
+        out.spacing[m] = v->spacing[m];
+        apex[m] = 0.0;
+        for (int k = 0; k < 3; k++) {
+            const double a = axes[m * 3 + k], from = -v->beams->corner[k] - first[k] * v->spacing[k];
+            apex[m] += a * from + (a < 0.0 ? size[m] * v->spacing[m] : 0.0);
+        }
+    }
+    for (at[2] = 0; at[2] < count[2]; at[2]++)
+        for (at[1] = 0; at[1] < count[1]; at[1]++)
+            for (at[0] = 0; at[0] < count[0]; at[0]++) {
+                size_t to[3];
+                for (int m = 0; m < 3; m++) {
+                    double place = 0.0;
+                    for (int k = 0; k < 3; k++)
+                        place += axes[m * 3 + k] * at[k] + (axes[m * 3 + k] < 0.0 ? size[m] - 1.0 : 0.0);
+                    to[m] = (size_t)place;
+                }
+                out.voxels[(to[2] * out.ny + to[1]) * out.nx + to[0]] =
+                    v->voxels[((size_t)(at[2] + first[2]) * n[1] + at[1] + first[1]) * n[0] + at[0] +
+                              first[0]];
+            }
+    return out;
+}
+
+/* Where the beam runs through a place, along the axes of the volume. */
+static void beam_at(const double turn[9], const double apex[3], double sweep, const double place[3],
+                    double out[3]) {
+    double l[3] = {0}, along[3];
+    for (int k = 0; k < 3; k++)
+        for (int m = 0; m < 3; m++) l[k] += turn[m * 3 + k] * (place[m] - apex[m]);
+    const double w = l[2] - sweep, h = hypot(l[1], w), c = h + sweep, r = hypot(l[0], c);
+    along[0] = l[0] / r;
+    along[1] = c / r * l[1] / h;
+    along[2] = c / r * w / h;
+    for (int m = 0; m < 3; m++) {
+        out[m] = 0.0;
+        for (int k = 0; k < 3; k++) out[m] += turn[m * 3 + k] * along[k];
+    }
+}
+
+/* The largest angle between the beams that were found and the true ones, over what was scanned, degrees. */
+static double worst_angle(const hs_volume *v, const double axes[9], const double apex[3], double sweep) {
+    double found[9] = {0}, worst = 0.0;
+    for (int i = 0; i < 9; i++)
+        for (int k = 0; k < 3; k++) found[i] += axes[i / 3 * 3 + k] * v->probe_turn[k * 3 + i % 3];
+    for (size_t n = 0; n < hs_volume_count(v); n += 997) {
+        if (v->voxels[n] == 0) continue;
+        const double place[3] = {((double)(n % v->nx) + 0.5) * v->spacing[0],
+                                 ((double)(n / v->nx % v->ny) + 0.5) * v->spacing[1],
+                                 ((double)(n / v->nx / v->ny) + 0.5) * v->spacing[2]};
+        double a[3], b[3];
+        beam_at(axes, apex, sweep, place, a);
+        beam_at(found, v->course.apex, v->course.sweep, place, b);
+        worst = fmax(worst, acos(fmin(1.0, a[0] * b[0] + a[1] * b[1] + a[2] * b[2])) * 57.2957795);
+    }
+    return worst;
+}
+
+/* The border is known to half a voxel, so half of it lies within a quarter of one, and an edge some 60 voxels
+ * long tells its direction to less than a degree. */
+static void fans_are_found(void **state) {
+    (void)state;
+    for (size_t n = 0; n < GEOMETRIES; n++) {
+        hs_volume copy = copy_of(&geometries[n]);
+        for (int face = 0; face < HS_PROBE_COUNT; face++) {
+            double apex[3], axes[9];
+            char words[160];
+            hs_volume v = seen_from(&copy, &geometries[n], (hs_probe)face, apex);
+            hs_volume_find_beams(&v);
+            hs_course_words(&v, words, sizeof words);
+            if (v.course.kind != HS_BEAMS_FAN || (int)v.probe != face || !v.course.found)
+                fail_msg("geometry %zu, face %d: %s", n, face, words);
+            hs_probe_axes(&v, v.probe, axes);
+            const double angle = worst_angle(&v, axes, apex, geometries[n].axis);
+            if (angle > 1.0 || v.course.misfit > 0.3 * geometries[n].spacing)
+                fail_msg("geometry %zu, face %d: %g degrees, misfit %g mm: %s", n, face, angle,
+                         v.course.misfit, words);
+            hs_volume_free(&v);
+        }
+        hs_volume_find_beams(&copy); /* as its file says it */
+        assert_true(copy.course.kind == HS_BEAMS_FAN && copy.course.misfit == 0.0);
+        assert_true(copy.course.sweep == geometries[n].axis);
+        hs_volume_free(&copy);
+    }
+}
+
+/* A stated face is believed: a fan that narrows to another one is asked about. Without a known spacing it
+ * tells a face and no place. */
+static void what_is_stated_counts(void **state) {
+    (void)state;
+    double apex[3];
+    char question[160];
+    hs_volume copy = copy_of(&geometries[0]), v = seen_from(&copy, &geometries[0], HS_PROBE_LOW_Y, apex);
+    hs_volume_scanned_from(&v, HS_PROBE_LOW_Z);
+    hs_volume_find_beams(&v);
+    hs_course_question(&v, question, sizeof question);
+    assert_true(v.course.kind == HS_BEAMS_PARALLEL && v.probe == HS_PROBE_LOW_Z);
+    assert_string_equal(question, "The scan narrows towards -y: is the probe there? --probe -y");
+    hs_volume_scanned_from(&v, HS_PROBE_LOW_Y);
+    hs_volume_find_beams(&v);
+    hs_course_question(&v, question, sizeof question);
+    assert_true(v.course.kind == HS_BEAMS_FAN && !v.course.found);
+    assert_string_equal(question, "");
+    memset(v.probe_turn, 0, sizeof v.probe_turn);
+    v.spacing_unsaid = true;
+    hs_volume_find_beams(&v);
+    hs_course_question(&v, question, sizeof question);
+    assert_int_equal(v.course.kind, HS_BEAMS_UNKNOWN);
+    assert_string_equal(question, "The scan narrows towards -y: is the probe there? --probe -y");
+    hs_volume_free(&v);
+    hs_volume_free(&copy);
+}
+
+/* A full box, an empty one, a ball, a turned box. */
+static bool is_inside(int kind, double x, double y, double z) {
+    const double c = 0.9, s = 0.43589;
+    return kind == 0   ? true
+           : kind == 1 ? false
+           : kind == 2 ? x * x + y * y + z * z < 0.2
+                       : fabs(c * x - s * y) < 0.3 && fabs(s * x + c * y) < 0.25 && fabs(z) < 0.4;
+}
+
+static void others_are_none(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 4; kind++)
+        for (int stated = 0; stated < 2; stated++) {
+            hs_error err = {0};
+            hs_volume v;
+            assert_true(hs_volume_init(&v, 80, 70, 60, &err));
+            for (size_t n = 0; n < hs_volume_count(&v); n++)
+                v.voxels[n] = is_inside(kind, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
+                                        (double)(n / 5600) / 60 - 0.5);
+            if (stated) hs_volume_scanned_from(&v, HS_PROBE_HIGH_X);
+            hs_volume_find_beams(&v);
+            if (v.course.kind != (stated ? HS_BEAMS_PARALLEL : HS_BEAMS_UNKNOWN))
+                fail_msg("kind %d: beams are %d, misfit %g", kind, v.course.kind, v.course.misfit);
+            hs_volume_free(&v);
+        }
+}
+
+/* Real scans, where they are at hand: some are turned in their box, one ends within the fan. */
+static void real_scans(void **state) {
+    (void)state;
+    static const char *const scans[] = {"fetal_head_21w.mha", "fetal_head_22w.mha", "fetal_head_23w.mha",
+                                        "real/fetus_12w.mha", "real/fetus_f48.mha", "real/fetus_f51.mha"};
+    const char *source = getenv("SV_SOURCE_DIR");
+    int found = 0;
+    for (size_t i = 0; i < sizeof scans / sizeof *scans; i++) {
+        char path[PATH_MAX];
+        struct stat status;
+        hs_error err = {0};
+        hs_volume v;
+        (void)snprintf(path, sizeof path, "%s/../shared/data/%s", source ? source : ".", scans[i]);
+        if (stat(path, &status) != 0) continue;
+        found++;
+        if (!hs_metaimage_read(path, NULL, &v, &err)) fail_msg("%s", err.text);
+        hs_volume_find_beams(&v);
+        if (v.course.kind != HS_BEAMS_FAN || v.probe != HS_PROBE_LOW_Z || v.course.misfit > 0.2)
+            fail_msg("%s: kind %d, misfit %g", v.name, v.course.kind, v.course.misfit);
+        hs_volume_free(&v);
+    }
+    if (found == 0) skip();
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fans_are_found),
+        cmocka_unit_test(what_is_stated_counts),
+        cmocka_unit_test(others_are_none),
+        cmocka_unit_test(real_scans),
+    };
+    return cmocka_run_group_tests_name("fan fit", tests, NULL, NULL);
+}
