@@ -94,9 +94,9 @@ static inline sv_status sva_allocate(sva *a) {
     if (maps) a->points = (uint8_t *)calloc(sva_rays(a), 1);
     if (maps && a->method->ray_bytes) a->rays = calloc(sva_rays(a), a->method->ray_bytes);
     /* For who finds a crash behind it: sv_validate quotes the last line. */
+    if (maps && !a->own) sva_log(a, SV_LOG_DEBUG, "sva_method.own_bytes is 0: sva.own is NULL");
     if (maps && !a->method->ray_bytes)
         sva_log(a, SV_LOG_DEBUG, "sva_method.ray_bytes is 0: sva.rays is NULL");
-    if (maps && !a->own) sva_log(a, SV_LOG_DEBUG, "sva_method.own_bytes is 0: sva.own is NULL");
     if ((maps && (!a->depth || !a->points || (a->method->ray_bytes && !a->rays))) ||
         (maps && a->format.carrier == SV_CARRIER_HOST && !a->slice))
         return sva_error(a, SV_ERR_NO_MEMORY, "activate: no memory for maps of %u x %u",
