@@ -20,7 +20,7 @@ found=$(sha256sum "$nrrd")
 
 # The same voxels behind a MetaImage header, for host_sim: a NRRD's text ends at its first empty line.
 text=$(sed -n '/^\r*$/q; p' "$nrrd" | tr -d '\0\r')
-unpack=cat
+unpack="cat"
 ! grep -qE '^encoding: *(gzip|gz)$' <<< "$text" || unpack="gzip -dc"
 {
     printf 'ObjectType = Image\nNDims = 3\nTransformMatrix = -1 0 0 0 -1 0 0 0 1\n'
