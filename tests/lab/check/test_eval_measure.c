@@ -2,6 +2,7 @@
 /* The evaluation's table of termination depths and its measures, against numbers by hand. */
 #include "eval/eval_case.h"
 #include "support/loop_fixture.h"
+#include "support/near.h"
 
 #include <math.h>
 
@@ -75,9 +76,7 @@ static void starts_follow_the_renderer(void **state) {
     close_rig(&r);
 }
 
-static void near_to(float found, double expected) {
-    if (fabs((double)found - expected) > 1e-5) fail_msg("%g, expected %g", (double)found, expected);
-}
+#define near_to(found, expected) assert_near((double)(found), expected, 1e-5)
 
 /* Sac: rows 0 .. 3 unclipped (e = 26), the rest right (e = 0). Fetus: row 0 cut at depth 12, step 37 (e =
  * -7), row 1 at depth 10, step 31 (e = -1, within the tolerance), the rest right. */

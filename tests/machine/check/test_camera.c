@@ -3,6 +3,7 @@
 #include "support/host_fixture.h"
 
 #include "render/camera.h"
+#include "support/near.h"
 
 #include <math.h>
 
@@ -12,10 +13,6 @@
 static hs_volume shape(uint32_t nx, uint32_t ny, uint32_t nz, double sx, double sy, double sz) {
     hs_volume volume = {.nx = nx, .ny = ny, .nz = nz, .spacing = {sx, sy, sz}};
     return volume;
-}
-
-static void assert_near(double value, double expected, double tolerance) {
-    if (!(fabs(value - expected) <= tolerance)) fail_msg("%.15g, expected %.15g", value, expected);
 }
 
 static void test_straight_view_is_the_volume(void **state) {

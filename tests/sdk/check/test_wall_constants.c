@@ -14,6 +14,8 @@
 
 #include <cmocka.h>
 
+#include "support/near.h"
+
 /* What the steps read; all of it is fluid of level 0 at first. */
 typedef struct {
     sv_wall_layout layout;
@@ -54,10 +56,6 @@ static void fill(const model *m, uint8_t *levels, uint32_t x, uint32_t from, uin
     const size_t columns = m->layout.columns, plane = columns * m->layout.rows;
     for (uint32_t z = from; z < to; z++)
         for (size_t i = 0; i < 4; i++) levels[z * plane + i / 2 * columns + 2 * x + i % 2] = level;
-}
-
-static void assert_near(double found, double expected, double tolerance) {
-    if (!(fabs(found - expected) <= tolerance)) fail_msg("found %g, expected %g", found, expected);
 }
 
 enum { TISSUE = 200 }; /* relative to the threshold */
