@@ -50,7 +50,8 @@ static sv_status points_write(const sv_plugin *plugin, sv_points_report *out) {
         return sva_blame(a, SV_ERR_SIZE, "points: size is %u, expected at least %zu", out->size, sizeof *out);
     if (a->state != SVA_FINISHED) return sva_blame(a, SV_ERR_STATE, "points: no finished frame");
     if (!in->pipeline.chain.surveyed) return points_none(a);
-    const sv_status status = sv_pipeline_read_points(&in->pipeline, out);
+    sv_status status = sv_instance_check_process(in);
+    if (status == SV_OK) status = sv_pipeline_read_points(&in->pipeline, out);
     if (status != SV_OK || !in->device.owned) return status;
     return sva_cl_check(a, clFinish(in->device.queue), "points: clFinish");
 }
@@ -73,7 +74,8 @@ static const sv_ext_spline ext_spline = {.size = sizeof ext_spline, .report = sp
 
 static sv_status confidence_ready(sva *a) {
     const sv_instance *in = a->own;
-    if (a->state == SVA_FINISHED && in->pipeline.chain.method->confidence) return SV_OK;
+    if (a->state == SVA_FINISHED && in->pipeline.chain.method->confidence)
+        return sv_instance_check_process(in);
     return sva_blame(a, SV_ERR_STATE, "confidence: no finished frame with a method that gives it");
 }
 

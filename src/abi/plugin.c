@@ -28,13 +28,15 @@ static sv_status activate(sva *a) {
 }
 
 static void deactivate(sva *a) {
-    sv_instance_deactivate(a->own);
+    sv_instance *in = a->own;
+    if (sv_instance_is_forked(in)) memset(in, 0, sizeof *in); /* all of it is the other process's */
+    sv_instance_deactivate(in);
 }
 
 /* With its own queue nobody but the plugin can wait until the host's memory is free again. */
 static void abandon(sva *a) {
     const sv_instance *in = a->own;
-    if (in->device.owned) (void)clFinish(in->device.queue);
+    if (in->device.owned && !sv_instance_is_forked(in)) (void)clFinish(in->device.queue);
 }
 
 /* Refuses values that do not go together in a frame of this pipeline. */
@@ -60,8 +62,8 @@ static sv_status begin(sva *a) {
     sv_pipeline *p = &in->pipeline;
     const sv_frame *f = &a->frame;
     const sv_values values = sv_values_of(a->values);
-    sv_status status = SV_OK;
-    if (f->scanned_object)
+    sv_status status = sv_instance_check_process(in);
+    if (status == SV_OK && f->scanned_object)
         status = sva_cl_check_object(a, "begin: scanned_object", f->scanned_object, SV_CARRIER_BUFFER,
                                      f->scanned_offset, sva_rays(a) * sizeof(sv_scanned), SV_ERR_ARGUMENT);
     if (status == SV_OK) status = check_values(a, p, &values);
@@ -76,19 +78,23 @@ static sv_status begin(sva *a) {
 
 static sv_status slab(sva *a, const sv_slab *slab) {
     sv_instance *in = a->own;
-    const sv_status status = slab->object ? sva_cl_check_slab(a, slab) : SV_OK;
+    sv_status status = sv_instance_check_process(in);
+    if (status == SV_OK && slab->object) status = sva_cl_check_slab(a, slab);
     return status == SV_OK ? sv_pipeline_slab(&in->pipeline, slab) : status;
 }
 
 static sv_status finish(sva *a, float *depth) {
     sv_instance *in = a->own;
+    const sv_status status = sv_instance_check_process(in);
     (void)depth;
-    return sv_pipeline_end(&in->pipeline);
+    return status == SV_OK ? sv_pipeline_end(&in->pipeline) : status;
 }
 
 static sv_status adjust(sva *a, float *depth) {
     sv_instance *in = a->own;
+    const sv_status status = sv_instance_check_process(in);
     (void)depth;
+    if (status != SV_OK) return status;
     in->pipeline.queue.timing = NULL; /* the times stay those of the frame */
     return sv_pipeline_adjust(&in->pipeline, (float)sva_value(a, SV_PARAM_Q));
 }

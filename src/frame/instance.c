@@ -3,6 +3,8 @@
 
 #include "frame/selftest.h"
 
+#include <unistd.h>
+
 /* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
 enum { FETCH_AHEAD_BYTES = 16 << 20 };
 
@@ -129,6 +131,7 @@ sv_status sv_instance_needs(sv_diag *diag, const sv_device *device, const sv_for
 
 sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const sv_values *values) {
     const double begun = sv_seconds();
+    in->process = getpid();
     sv_config config = config_of(format, values);
     uint32_t commands = 0;
     sv_status status = sv_device_open(in->diag, format->context, format->device, format->queue, &in->device);
@@ -153,4 +156,15 @@ void sv_instance_deactivate(sv_instance *in) {
     sv_program_release(&in->wide);
     sv_timing_destroy(&in->timing);
     sv_device_close(&in->device);
+}
+
+bool sv_instance_is_forked(const sv_instance *in) {
+    return in->process != getpid();
+}
+
+sv_status sv_instance_check_process(const sv_instance *in) {
+    if (!sv_instance_is_forked(in)) return SV_OK;
+    return sva_error(in->diag, SV_ERR_STATE,
+                     "this process was forked after activate, and OpenCL does not work in it: activate in a "
+                     "process that is started anew (Python's multiprocessing: spawn)");
 }

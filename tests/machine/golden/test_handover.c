@@ -196,6 +196,12 @@ static void what_continues(void **state) {
             if (flags != (same ? SV_FRAME_SAME_VOLUME : continues ? 0u : (uint32_t)SV_FRAME_DISCONTINUITY))
                 fail_msg("kind %u, frame %u: flags are %u", kind, index, flags);
         }
+        /* A plugin that is activated anew knows nothing of the frame before. */
+        hs_error err = {0};
+        hs_frame frame;
+        assert_true(hs_loop_reactivate(loop, &plugin, &o, &err));
+        assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, 5, &frame, &err));
+        assert_true(record_of(&plugin)->frame.flags & SV_FRAME_DISCONTINUITY);
         hs_loop_destroy(loop);
         hs_plugin_close(&plugin);
     }

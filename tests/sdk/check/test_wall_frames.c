@@ -57,6 +57,19 @@ static sv_wall_outcome defined(const uint8_t *volume, sv_wall_outcome last, floa
     return outcome;
 }
 
+/* Runs the frame with unsure=clip; only what it leaves behind counts. */
+static void run_unsure(rig *r, uint32_t n) {
+    const sv_param_value clip = {rig_param(r, "unsure"), 0, rig_enum(r, "unsure", "clip")};
+    const rig_format f = {.width = N, .height = N, .slices = N, .slab_slices = 16};
+    uint8_t *volume = volume_of(share_of(n));
+    stage *t = rig_stage(r, &f, volume);
+    rig_result out = rig_result_make(N, N);
+    assert_int_equal(rig_frame(r, t, &clip, 1, &out), SV_OK);
+    rig_result_free(&out);
+    rig_stage_free(t);
+    free(volume);
+}
+
 /* Runs the frame on an active plugin, and compares it with the definition after `last`. */
 static sv_wall_outcome run_frame(rig *r, uint32_t n, uint32_t flags, sv_wall_outcome last) {
     static float depth[PIXELS];
@@ -142,6 +155,9 @@ static void first_frames_remember_nothing(void **state) {
     r->plugin->deactivate(r->plugin);
     begin(r, "single");
     assert_int_equal(run_frame(r, NEAR, 0, SV_WALL_EMPTY), SV_WALL_DOUBTFUL);
+    /* What was clipped although doubtful is remembered as doubtful. */
+    run_unsure(r, NEAR);
+    assert_int_equal(run_frame(r, NEAR, 0, SV_WALL_DOUBTFUL), SV_WALL_DOUBTFUL);
     r->plugin->deactivate(r->plugin);
 }
 

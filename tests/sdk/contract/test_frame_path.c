@@ -220,6 +220,32 @@ static void the_spy_sees_activation(void **state) {
         print_message("AddressSanitizer owns the heap: allocations are not counted here\n");
 }
 
+/* What a frame left running on the plugin's own queue is waited for before the host may use its memory again:
+ * by a begin that drops it, by an error, and by deactivate, which waits for the host's queue, too. */
+static void what_runs_is_waited_for(void **state) {
+    fixture *f = *state;
+    const sv_plugin *p = f->r.plugin;
+    watch(f);
+    for (int own = 0; own < 2; own++) {
+        rig_format how = {.own_queue = own, .fixed_count = 1};
+        how.fixed[0] = (sv_param_value){rig_param(&f->r, "method"), 0, 0};
+        fixture_change(f, how);
+        assert_int_equal(fixture_activate(f), SV_OK);
+        for (int drop = 0; drop < 3; drop++) {
+            assert_int_equal(fixture_begin(f), SV_OK);
+            for (uint32_t n = 0; n < FIXTURE_SLABS; n++) assert_int_equal(fixture_slab(f, n), SV_OK);
+            assert_true(spy_pending());
+            forget();
+            if (drop == 0) assert_int_equal(fixture_begin(f), SV_OK);
+            if (drop == 1) assert_int_equal(fixture_slab(f, 0), SV_ERR_SLAB_ORDER);
+            if (drop == 2) p->deactivate(p);
+            if (spy_count(SPY_WAIT) == 0 && (own || drop == 2))
+                fail_msg("own %d: drop %d did not wait", own, drop);
+            assert_int_equal(spy_pending(), !own && drop < 2);
+        }
+    }
+}
+
 /* The self-tests, of the frame and of the method, and the pipeline make their kernels of the same
  * programs. */
 static void each_program_is_built_once(void **state) {
@@ -314,6 +340,7 @@ int main(void) {
         FIXTURE_TEST(the_spy_sees_blocking_calls),
         FIXTURE_TEST(frames_are_quiet),
         FIXTURE_TEST(refusals_are_quiet),
+        FIXTURE_TEST(what_runs_is_waited_for),
         FIXTURE_TEST(timed_frames),
         FIXTURE_TEST(activation_compiles_what_frames_launch),
     };

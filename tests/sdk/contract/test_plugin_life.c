@@ -160,6 +160,8 @@ static int child_without_device(void) {
         if (p->activate(p, &t->format) != SV_ERR_NO_DEVICE) code = 4;
         const char *reason = p->last_error(p);
         if (!strstr(reason, "no OpenCL device") || !strstr(reason, "Install a driver")) code = 5;
+        if (!strstr(reason, "OCL_ICD_VENDORS, where drivers are looked for, is '/tmp/sv_no_driver_"))
+            code = 8;
         if (strcmp(reason, r.last_log) != 0) code = 6;
         if (r.last_severity != SV_LOG_ERROR) code = 7;
     }
@@ -189,6 +191,37 @@ static void no_device(void **state) {
     const int code = run_child("child_without_device", "OCL_ICD_VENDORS", folder);
     assert_int_equal(rmdir(folder), 0);
     assert_int_equal(code, 0);
+}
+
+/* A fork's child has none of the driver's threads: every call says so, and none hangs. */
+static int forked(fixture *f) {
+    const sv_plugin *p = f->r.plugin;
+    const sv_ext_confidence *confidence = p->get_extension(p, SV_EXT_CONFIDENCE);
+    const sv_result result = fixture_result(f);
+    float map[FIXTURE_RAYS];
+    (void)alarm(30);
+    if (confidence->write(p, map, NULL, 0) != SV_ERR_STATE) return 1;
+    if (p->adjust(p, NULL, 0, &result) != SV_ERR_STATE || !strstr(p->last_error(p), "forked")) return 2;
+    if (fixture_begin(f) != SV_ERR_STATE || !strstr(p->last_error(p), "spawn")) return 3;
+    p->deactivate(p);
+    p->destroy(p);
+    return 0;
+}
+
+static void a_fork_is_told(void **state) {
+    fixture *f = *state;
+    for (int own = 0; own < 2; own++) {
+        fixture_change(f, (rig_format){.own_queue = own});
+        assert_int_equal(fixture_activate(f), SV_OK);
+        fixture_frame_is_good(f);
+        const pid_t child = fork();
+        if (child == 0) _exit(forked(f));
+        int status = 0;
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_int_equal(status, 0);
+        fixture_frame_is_good(f);
+        f->r.plugin->deactivate(f->r.plugin);
+    }
 }
 
 static void no_such_device(void **state) {
@@ -253,6 +286,7 @@ int main(int argc, char **argv) {
         FIXTURE_TEST(another_format_after_another),
         cmocka_unit_test(no_device),
         FIXTURE_TEST(no_such_device),
+        FIXTURE_TEST(a_fork_is_told),
         FIXTURE_TEST(kernels_that_do_not_build),
         FIXTURE_TEST(kernels_that_compute_wrongly),
     };

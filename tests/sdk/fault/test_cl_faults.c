@@ -185,6 +185,33 @@ static void frames(void **state) {
     print_message("%u calls failed once\n", calls);
 }
 
+/* The device is lost at the nth call, and every later one fails. No call of the ABI hangs or succeeds from
+ * then on; deactivate frees all, and the next activation works, as on a device that has come back. */
+static void a_lost_device(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    const sv_plugin *p = f->r.plugin;
+    for (uint32_t own = 0; own < 2; own++)
+        for (uint32_t n = 1; n < 30; n += 4) {
+            fixture_change(f, with_strategy(f, (rig_format){.own_queue = own}, 1));
+            assert_int_equal(fixture_activate(f), SV_OK);
+            const sv_result result = fixture_result(f);
+            spy_lose(n, CL_OUT_OF_RESOURCES);
+            const sv_status first = whole_frame(f, &result);
+            if (!spy_failed()) assert_int_equal(first, SV_OK); /* it was lost behind the frame */
+            if (spy_failed()) fixture_refused(f, first, SV_ERR_OPENCL, "CL_OUT_OF_RESOURCES (-5)");
+            while (!spy_failed()) (void)one_adjust(f, &result);
+            fixture_refused(f, whole_frame(f, &result), SV_ERR_OPENCL, "CL_OUT_OF_RESOURCES (-5)");
+            assert_int_equal(one_adjust(f, &result), SV_ERR_STATE);
+            p->deactivate(p);
+            spy_fail(0, 0);
+            assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+            assert_int_equal(spy_live(), 0);
+        }
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
+}
+
 /* Maps in a buffer, and in rows with a pitch; events kept for timing. */
 static void outputs_and_timing(void **state) {
     fixture *f = *state;
@@ -236,9 +263,13 @@ static void stage_times_of_a_failing_query(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        FIXTURE_TEST(activate_own_queue),         FIXTURE_TEST(activate_host_queue),
-        FIXTURE_TEST(activate_with_wide_vectors), FIXTURE_TEST(frames),
-        FIXTURE_TEST(outputs_and_timing),         FIXTURE_TEST(stage_times_of_a_failing_query),
+        FIXTURE_TEST(activate_own_queue),
+        FIXTURE_TEST(activate_host_queue),
+        FIXTURE_TEST(activate_with_wide_vectors),
+        FIXTURE_TEST(frames),
+        FIXTURE_TEST(a_lost_device),
+        FIXTURE_TEST(outputs_and_timing),
+        FIXTURE_TEST(stage_times_of_a_failing_query),
     };
     return cmocka_run_group_tests_name("OpenCL faults", tests, NULL, NULL);
 }

@@ -19,6 +19,7 @@ static struct {
     uint32_t fail_in; /* calls until the one that fails; 0: none */
     cl_int code;
     const char *failed;
+    bool lost; /* all calls behind the first failing one fail, too */
     uint64_t live_bytes, memory, largest_buffer;
     uint32_t spoil_in; /* reads until the one that is spoiled; 0: none */
     bool spoiled;
@@ -94,13 +95,20 @@ void spy_fail(uint32_t nth, cl_int code) {
     spy.fail_in = nth;
     spy.code = code;
     spy.failed = NULL;
+    spy.lost = false;
+}
+
+void spy_lose(uint32_t nth, cl_int code) {
+    spy_fail(nth, code);
+    spy.lost = true;
 }
 
 spy_verdict spy_enter(const char *name, spy_kind kind, const void *caller) {
     if (!library_range_holds(spy.watched, caller)) return (spy_verdict){false, false};
     if (spy.counts[kind]++ == 0) spy.first[kind] = name;
-    if (kind == SPY_RELEASE || spy.fail_in == 0 || --spy.fail_in > 0) return (spy_verdict){true, false};
-    spy.failed = name;
+    if (kind == SPY_RELEASE || spy.fail_in == 0 || spy.fail_in-- > 1) return (spy_verdict){true, false};
+    if (spy.lost) spy.fail_in = 1;
+    if (!spy.failed) spy.failed = name;
     return (spy_verdict){true, true};
 }
 

@@ -40,7 +40,9 @@ bool spy_pending(void); /* it has enqueued something since its last clFinish */
 /* The nth call from now on (1, 2, ...; clRelease... is not counted) fails with `code`; 0: none. A clFinish
  * that fails does finish: commands in flight with nobody waiting are no error OpenCL can report. */
 void spy_fail(uint32_t nth, cl_int code);
-const char *spy_failed(void); /* the call that was made to fail, or NULL */
+/* The same, and all calls after it until the next spy_fail: the device is lost. */
+void spy_lose(uint32_t nth, cl_int code);
+const char *spy_failed(void); /* the first call that was made to fail, or NULL */
 
 /* First OpenCL function that the library imports and the spy does not know, or NULL. `handle` is of
  * dlopen. */

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Which device the plugin takes where the host gives none: device.c with an OpenCL of this test's own, which
+ * has the devices that a case asks for.
+ */
+#include <CL/cl.h>
+
+static cl_int told_platforms(cl_uint n, cl_platform_id *out, cl_uint *count);
+static cl_int told_devices(cl_platform_id p, cl_device_type type, cl_uint n, cl_device_id *out,
+                           cl_uint *count);
+static cl_int told_device(cl_device_id d, cl_device_info what, size_t bytes, void *out, size_t *size);
+static cl_int told_platform(cl_platform_id p, cl_platform_info what, size_t bytes, void *out, size_t *size);
+static cl_context make_context(const cl_context_properties *p, cl_uint n, const cl_device_id *d,
+                               void (*told)(const char *, const void *, size_t, void *), void *data,
+                               cl_int *code);
+static cl_command_queue make_queue(cl_context c, cl_device_id d, cl_command_queue_properties p, cl_int *code);
+#define clGetPlatformIDs         told_platforms
+#define clGetDeviceIDs           told_devices
+#define clGetDeviceInfo          told_device
+#define clGetPlatformInfo        told_platform
+#define clCreateContext          make_context
+#define clCreateCommandQueue     make_queue
+#define clReleaseContext(c)      ((void)(c), CL_SUCCESS)
+#define clReleaseCommandQueue(q) ((void)(q), CL_SUCCESS)
+#include "../../../src/device/device.c"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+
+/* A device is a platform of its own. */
+typedef struct {
+    const char *platform;
+    cl_device_type type;
+    int broken; /* its context cannot be made */
+} fake;
+static const fake *fakes;
+static cl_uint fake_count;
+
+static cl_int told_platforms(cl_uint n, cl_platform_id *out, cl_uint *count) {
+    *count = fake_count;
+    for (cl_uint i = 0; i < fake_count && i < n; i++) out[i] = (cl_platform_id)(uintptr_t)&fakes[i];
+    return fake_count ? CL_SUCCESS : -1001;
+}
+static cl_int told_devices(cl_platform_id p, cl_device_type type, cl_uint n, cl_device_id *out,
+                           cl_uint *count) {
+    const fake *f = (const fake *)p;
+    if (n < 1 || !(f->type & type)) return CL_DEVICE_NOT_FOUND;
+    *out = (cl_device_id)p;
+    *count = 1;
+    return CL_SUCCESS;
+}
+static cl_int told_device(cl_device_id d, cl_device_info what, size_t bytes, void *out, size_t *size) {
+    const fake *f = (const fake *)d;
+    (void)size;
+    memset(out, 0, bytes);
+    if (what == CL_DEVICE_PLATFORM) memcpy(out, &d, sizeof d);
+    if (what == CL_DEVICE_TYPE) memcpy(out, &f->type, sizeof f->type);
+    if (what == CL_DEVICE_NAME) (void)snprintf(out, bytes, "the device of %s", f->platform);
+    return CL_SUCCESS;
+}
+static cl_int told_platform(cl_platform_id p, cl_platform_info what, size_t bytes, void *out, size_t *size) {
+    (void)what;
+    (void)size;
+    (void)snprintf(out, bytes, "%s", ((const fake *)p)->platform);
+    return CL_SUCCESS;
+}
+static cl_context make_context(const cl_context_properties *p, cl_uint n, const cl_device_id *d,
+                               void (*told)(const char *, const void *, size_t, void *), void *data,
+                               cl_int *code) {
+    const fake *f = (const fake *)*d;
+    (void)p, (void)n, (void)told, (void)data;
+    *code = f->broken ? CL_OUT_OF_RESOURCES : CL_SUCCESS;
+    return f->broken ? NULL : (cl_context)*d;
+}
+static cl_command_queue make_queue(cl_context c, cl_device_id d, cl_command_queue_properties p,
+                                   cl_int *code) {
+    (void)p, (void)d;
+    *code = CL_SUCCESS;
+    return (cl_command_queue)c;
+}
+
+static char logged[1024];
+static void keep(const sv_host *host, int32_t severity, const char *text) {
+    (void)host, (void)severity;
+    (void)snprintf(logged + strlen(logged), sizeof logged - strlen(logged), "%s\n", text);
+}
+
+/* `taken`: index of the device, -1: none. `said`: in the log, or NULL: nothing was said. */
+static void takes(const fake *all, cl_uint count, const char *wish, int taken, const char *said) {
+    static const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "test", "1", keep, NULL};
+    sva a = {.host = &host};
+    sv_device device;
+    fakes = all;
+    fake_count = count;
+    logged[0] = '\0';
+    assert_int_equal(wish ? setenv("SMARTVIS_DEVICE", wish, 1) : unsetenv("SMARTVIS_DEVICE"), 0);
+    const sv_status status = sv_device_open(&a, NULL, NULL, NULL, &device);
+    assert_int_equal(status == SV_OK, taken >= 0);
+    if (taken >= 0) assert_ptr_equal(device.device, &all[taken]);
+    if (said ? !strstr(logged, said) : logged[0] != '\0') fail_msg("'%s' in '%s'", said ? said : "", logged);
+}
+
+static void the_first_that_works(void **state) {
+    static const fake two[] = {{"Maker", CL_DEVICE_TYPE_CPU, 0}, {"Other", CL_DEVICE_TYPE_GPU, 0}};
+    static const fake broken[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1}, {"Other", CL_DEVICE_TYPE_CPU, 0}};
+    static const fake none[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1}, {"Other", CL_DEVICE_TYPE_CPU, 1}};
+    static const fake aborts[] = {{"rusticl", CL_DEVICE_TYPE_GPU, 0}, {"Other", CL_DEVICE_TYPE_CPU, 0}};
+    (void)state;
+    takes(two, 2, NULL, 1, NULL); /* a GPU comes first */
+    takes(two, 2, "gpu", 1, NULL);
+    takes(two, 2, "cpu", 0, NULL);
+    takes(two, 1, "gpu", -1, "no OpenCL device for SMARTVIS_DEVICE=gpu: CL_DEVICE_NOT_FOUND (-1)");
+    takes(two, 0, NULL, -1, "no OpenCL device: CL_PLATFORM_NOT_FOUND_KHR (-1001)");
+    takes(broken, 2, NULL, 1, "the device 'the device of Maker' does not work; trying the next one");
+    takes(broken, 2, "gpu", -1, "clCreateContext: CL_OUT_OF_RESOURCES (-5)");
+    takes(none, 2, NULL, -1, "clCreateContext: CL_OUT_OF_RESOURCES (-5)");
+    takes(aborts, 2, NULL, 1, "the OpenCL platform 'rusticl' ends its host while it compiles");
+    takes(aborts, 1, NULL, -1, "take a device of another one");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_first_that_works)};
+    return cmocka_run_group_tests_name("devices", tests, NULL, NULL);
+}
