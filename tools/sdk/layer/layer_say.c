@@ -62,7 +62,7 @@ void ly_log(const ly_instance *i, int32_t severity, const char *format, ...) {
     va_list args;
     const int used = snprintf(text, sizeof text, "check: ");
     va_start(args, format);
-    (void)vsnprintf(text + used, sizeof text - (size_t)used, format, args);
+    sva_print(text + used, sizeof text - (size_t)used, format, args);
     va_end(args);
     if (i->record) rec_log(i->record, REC_NOTE, text);
     if (i->silent) return;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "rules/rules.h"
 
+#include "smartvis/author_method.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -21,7 +23,7 @@ void rule_tell(const rule_sink *to, rule_name name, const char *format, ...) {
     char text[400];
     va_list args;
     va_start(args, format);
-    (void)vsnprintf(text, sizeof text, format, args);
+    sva_print(text, sizeof text, format, args);
     va_end(args);
     to->broken(to->context, name, text);
 }
