@@ -22,11 +22,6 @@ static const sv_wall_work *work_of(const sv_map *m) {
     return by_items(m) ? &sv_wall_items : &sv_wall_rows;
 }
 
-sv_wall_layout *sv_wall_layout_in(sv_method_state *s) {
-    _Static_assert(sizeof(sv_wall_layout) <= sizeof s->own, "the layout has room in the state");
-    return (sv_wall_layout *)(void *)s->own.bytes;
-}
-
 _Static_assert((int)SV_WALL_EXTENT_MM == (int)SV_ASSUMED_EXTENT_MM, "an unknown spacing is assumed alike");
 
 /* The default settings in voxels, blocks and layers of a map. */

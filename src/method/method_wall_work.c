@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method_wall.h"
 
+sv_wall_layout *sv_wall_layout_in(sv_method_state *s) {
+    _Static_assert(sizeof(sv_wall_layout) <= sizeof s->own, "the layout has room in the state");
+    return (sv_wall_layout *)(void *)s->own.bytes;
+}
+
 bool sv_wall_is_bounded(const sv_config *c) {
     return c->ranged || c->padding < 256;
 }
