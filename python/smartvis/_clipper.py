@@ -169,7 +169,7 @@ class Clipper:
         not continue the volume before. `probe`: the rotation [3, 3] from the probe's axes (z away from it) to the
         volume's x, y, z; or three numbers, the unit vector to the probe alone; None: unknown. `same_volume`: the one
         before, by another camera or with other values. `beams`: how they run, with the rotation of `probe`: "parallel",
-        or a fan: its apex (x, y, z, mm from the centre of voxel [0, 0, 0]) and the mm from there to the sweep's axis."""
+        or a fan: its apex (x, y, z, mm from the centre of voxel [0, 0, 0]), and mm from there to the sweep's axis."""
         address = self._address(volume)
         ranges = self._ranges(scanned)
         frame, slab, instance = self._frame, self._slab, self._active()

@@ -84,7 +84,7 @@ rm -rf out
 expect 0 "Results: depthmap.mha, status.mha, clipped.mha, mask.mha, surface.ply; what is cut away became 0" "${run[@]}" --volume plain.mha --write all --json r.json
 for file in depthmap.mha status.mha clipped.mha mask.mha surface.ply; do holds [ -s "out/$file" ]; done
 holds [ ! -e out/confidence.mha ]
-for words in '"carrier": "buffer"' '"outcome": "SV_OK"' '"probe": "-z"' '"from": "probe"' '"what":'; do
+for words in '"carrier": "buffer"' '"outcome": "SV_OK"' '"probe": null' '"beams": "unknown' '"from": "probe"' '"what":'; do
     holds grep -qF "$words" r.json
 done
 holds [ "$(tr -d ' \n' < r.json | grep -oF '"source_size_mm":[24.0,24.0,48.0]')" ]

@@ -8,6 +8,7 @@
 #include "commands/run.h"
 #include "commands/run_line.h"
 #include "commands/run_print.h"
+#include "volume/fan_fit.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -87,7 +88,7 @@ static json_t *describe(const hs_run *run, bool *ok) {
     hs_loop_camera(run->loop, 0, &camera);
     const double box[3] = {camera.extent, camera.extent, camera.depth_extent};
     const double lowres[3] = {box[0] / l->width, box[1] / l->height, box[2] / l->slices};
-    char plugin[200], letters[4], doubt[HS_DOUBT_BYTES];
+    char words[160], plugin[200], letters[4], doubt[HS_DOUBT_BYTES];
     hs_run_plugin_name(run, plugin, sizeof plugin);
     hs_pose_letters(&v->pose, letters);
     json_t *root = json_object();
@@ -98,7 +99,9 @@ static json_t *describe(const hs_run *run, bool *ok) {
     put(root, "doubt", hs_volume_doubt(v, doubt) ? json_string(doubt) : json_null(), ok);
     put(root, "source_origin_mm", vector(v->pose.origin), ok);
     put(root, "source_orientation", v->pose.stated ? json_string(letters) : json_null(), ok);
-    put(root, "probe", json_string(hs_probe_name(v->probe)), ok);
+    put(root, "probe", hs_probe_is_known(v) ? json_string(hs_probe_name(v->probe)) : json_null(), ok);
+    hs_course_words(v, words, sizeof words);
+    put(root, "beams", json_string(words), ok);
     put(root, "unscanned_share", json_real(run->unscanned), ok);
     if (v->beams) put(root, "mirrored", json_boolean(v->beams->mirrored), ok);
     put(root, "plugin", hs_json_text(plugin), ok);
