@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-//! Compiles smartvis/author.h for plugins in Rust. Its folder is $SMARTVIS_INCLUDE, or where this crate lies in a checkout or an
+//! Writes the headers' structs and constants as Rust, and compiles smartvis/author.h for plugins. Its folder is $SMARTVIS_INCLUDE, or where this crate lies in a checkout or an
 //! installation, or what pkg-config says.
+mod header;
+
 use std::env::var;
 use std::path::PathBuf;
 use std::process::Command;
@@ -30,6 +32,18 @@ fn main() {
         .find(|folder| folder.join("smartvis/author.h").exists())
         .expect("no smartvis/author.h found: set SMARTVIS_INCLUDE to the folder of smartvis_plugin.h");
     let out = PathBuf::from(var("OUT_DIR").unwrap());
+    let names = [
+        "smartvis_plugin",
+        "smartvis/confidence",
+        "smartvis/needs",
+        "smartvis/points",
+        "smartvis/spline",
+        "smartvis/timing",
+    ];
+    let headers = names.map(|name| include.join(name.to_string() + ".h"));
+    let texts: Vec<String> = headers.iter().map(|header| std::fs::read_to_string(header).unwrap()).collect();
+    std::fs::write(out.join("header.rs"), header::rust_of(&texts)).unwrap();
+    headers.iter().for_each(|header| println!("cargo:rerun-if-changed={}", header.display()));
     let compiler = var("CC").unwrap_or_else(|_| "cc".into());
     run(Command::new(compiler)
         .args(["-std=c11", "-O2", "-Wall", "-Wextra", "-fPIC", "-c", "src/author.c", "-I"])
