@@ -104,6 +104,7 @@ typedef struct {
 
     uint32_t magic;
     char last_error[1024]; /* the plugin's, for a status that is not SV_OK */
+    char complaint[256];   /* hs_plugin.complaint */
 
     /* Read and written by HS_GUARD_OPEN. */
     char path[1024], id[256];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "guarded/guarded.h"
 
+#include "base/text.h"
 #include "guarded/guard_link.h"
 
 #include <errno.h>
@@ -310,12 +311,17 @@ static hs_guard *guard_of(const hs_plugin *plugin) {
 bool hs_guarded_close(hs_plugin *plugin, hs_error *err) {
     hs_guard *guard = guard_of(plugin);
     hs_error ended = {0};
+    char path[sizeof plugin->path];
+    (void)snprintf(path, sizeof path, "%s", plugin->path);
     if (guard) {
         hs_guarded_end(guard);
         ended = guard->ended;
+        end_text(guard->block->complaint, sizeof guard->block->complaint);
+        (void)hs_text_escape(plugin->complaint, sizeof plugin->complaint, guard->block->complaint, 0);
     }
     hs_plugin_close(plugin);
-    return ended.code == HS_OK || hs_fail(err, ended.code, "%s", ended.text);
+    if (ended.code != HS_OK) return hs_fail(err, ended.code, "%s", ended.text);
+    return !plugin->complaint[0] || hs_fail(err, HS_ERR_PLUGIN, "%s: %s", path, plugin->complaint);
 }
 
 /* ------------------------------------------------------------------------------------ memory, route -- */

@@ -23,7 +23,7 @@ bool hs_guarded_open(hs_plugin *plugin, const char *path, const char *id, int32_
                      const hs_guard_options *options, hs_error *err);
 
 /* Closes a plugin of either kind. False with HS_ERR_PLUGIN if its child ended at any time before it was to,
- * in destroy for example: the first time that happened. */
+ * in destroy for example: the first time that happened; or with plugin->complaint if there is one. */
 bool hs_guarded_close(hs_plugin *plugin, hs_error *err);
 
 /* True if the plugin lives in a child. NULL: false. */

@@ -209,6 +209,15 @@ static void enter_open(void *context, const char *call) {
     enter_call(context, call, 0, 0);
 }
 
+/* What the plugin says of itself in destroy, too, is the host's to tell. */
+static void hear(void *ear, int32_t severity, const char *text) {
+    server_state *server = ear;
+    (void)text;
+    if (severity == SV_LOG_PLUGIN_MISBEHAVING)
+        (void)snprintf(server->block->complaint, sizeof server->block->complaint, "%s",
+                       server->plugin.complaint);
+}
+
 /* What is refused here names the path itself. */
 static sv_status open_plugin(server_state *server) {
     hs_guard_block *block = server->block;
@@ -217,6 +226,9 @@ static sv_status open_plugin(server_state *server) {
     if (!hs_plugin_open_watched(&server->plugin, block->path, block->has_id ? block->id : NULL,
                                 block->log_level, &watch, &err))
         return fail_with(server, SV_ERR_INTERNAL, err.text);
+    (void)snprintf(block->complaint, sizeof block->complaint, "%s", server->plugin.complaint);
+    server->plugin.hears = hear;
+    server->plugin.ear = server;
     tell_facts(server);
     return SV_OK;
 }

@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <limits.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -116,11 +117,20 @@ static const char *severity_name(int32_t severity) {
     return known ? names[severity] : "log";
 }
 
+/* Any thread. */
+static void note_complaint(hs_plugin *plugin, const char *text) {
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    (void)pthread_mutex_lock(&lock);
+    if (!plugin->complaint[0]) (void)hs_text_escape(plugin->complaint, sizeof plugin->complaint, text, 0);
+    (void)pthread_mutex_unlock(&lock);
+}
+
 /* sv_host.log: one fprintf a line, so that lines of two threads do not mix. */
 static void print_log(const sv_host *host, int32_t severity, const char *text) {
     hs_plugin *plugin = host->host_data;
     char line[2048]; /* one line, whatever the plugin has put into it */
     if (!plugin->instance) (void)hs_text_escape(plugin->line, sizeof plugin->line, text ? text : "", 0);
+    if (severity == SV_LOG_PLUGIN_MISBEHAVING) note_complaint(plugin, text ? text : "(null)");
     if (plugin->hears) plugin->hears(plugin->ear, severity, text ? text : "(null)");
     if (severity < plugin->log_level) return;
     (void)fprintf(stderr, "plugin: %s: %s\n", severity_name(severity),
@@ -288,7 +298,10 @@ bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t
 void hs_plugin_close(hs_plugin *plugin) {
     if (plugin->instance) plugin->instance->destroy(plugin->instance);
     if (plugin->library) dlclose(plugin->library);
+    char complaint[sizeof plugin->complaint];
+    memcpy(complaint, plugin->complaint, sizeof complaint);
     *plugin = (hs_plugin){0};
+    memcpy(plugin->complaint, complaint, sizeof complaint);
 }
 
 bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call, hs_error *err) {

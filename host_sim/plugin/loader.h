@@ -31,7 +31,9 @@ typedef struct {
     int32_t log_level; /* lines of lower severity are not printed (SV_LOG_*) */
     void (*hears)(void *ear, int32_t severity, const char *text); /* every line behind create; or NULL */
     void *ear;
-    char line[256]; /* the last one of create: a plugin without an instance has no last_error */
+    char line[256];      /* the last one of create: a plugin without an instance has no last_error */
+    char complaint[256]; /* the first line of SV_LOG_PLUGIN_MISBEHAVING: a plugin that caught itself, or one
+                            that checks another, like smartvis_check.so; "" if there was none */
     char path[1024];
 } hs_plugin;
 
@@ -50,6 +52,8 @@ typedef struct {
 /* Opens a plugin as hs_plugin_open does and tells `watch` of every call before it is made. */
 bool hs_plugin_open_watched(hs_plugin *plugin, const char *path, const char *id, int32_t log_level,
                             const hs_call_watch *watch, hs_error *err);
+
+/* destroy and dlclose. Of *plugin the complaint stays, all else is zeroed. */
 void hs_plugin_close(hs_plugin *plugin);
 
 /* Depths that were made elsewhere: mm from the front of the low-resolution volume's box, row by row; 0 or

@@ -55,6 +55,15 @@ for way in "--carrier buffer --no-guard" "--carrier host --no-guard" "--carrier 
 done
 quiet "$build/host_sim" report --quick --size 64 --lowres 24 --case E01 --plugin "$layer" --guard-time 300,300 --out "$work/report"
 
+# --- what it finds reaches the exit code, guarded or not
+for plugin in depth_nan last_row_missing map_not_written any_extension; do
+    for way in --guard --no-guard; do
+        SMARTVIS_CHECK=on SMARTVIS_CHECK_PLUGIN=$build/wrong/$plugin.so ends 4 "$build/host_sim" run --scene E01 --size 32 --frames 2 \
+            --setting smartvis --picture 16 --few-pictures --plugin "$layer" $way --out "$work/out"
+        holds grep -qE '^host_sim run: .*smartvis_check.so: check: (depth-values|extensions): ' "$work/stderr"
+    done
+done
+
 # --- the console: a few settings of a page
 PYTHONPATH=$source_dir/tests/machine/console ends 0 python3 -B - "$build" "$layer" << 'PAGE'
 import sys

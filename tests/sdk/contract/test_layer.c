@@ -77,6 +77,19 @@ static void stop_makes_errors(void **state) {
     (void)unsetenv("SMARTVIS_CHECK");
 }
 
+/* The layer makes a map NaN before the plugin writes it. */
+static void a_failed_call_leaves_no_nan(void **state) {
+    (void)state;
+    layer_subject *s = layer_open("wrong/end_minus_77");
+    layer_create(s);
+    layer_start(s, SLABS);
+    for (int i = 0; i < RAYS; i++) s->depth[i] = 5.0f;
+    assert_true(layer_end(s) < SV_OK);
+    for (int i = 0; i < RAYS; i++) assert_true(s->depth[i] == 0.0f);
+    s->p->deactivate(s->p);
+    layer_close(s);
+}
+
 static void off_is_the_plugin_itself(void **state) {
     Dl_info where;
     (void)state;
@@ -131,6 +144,25 @@ static void a_file_beside_it_has_the_settings(void **state) {
     layer_create(s);
     assert_int_equal(s->created, SV_ERR_INTERNAL);
     assert_non_null(strstr(s->log, "smartvis_check.conf: 'SMARTVIS_CHEK=stop' is no setting"));
+    layer_close(s);
+    (void)snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+}
+
+/* lib/smartvis/check/smartvis_check.so and lib/smartvis/smartvis.so. */
+static void an_installation_needs_no_setting(void **state) {
+    char folder[] = "/tmp/layer_XXXXXX", check[64], command[4096];
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(check, sizeof check, "%s/check", folder);
+    (void)snprintf(command, sizeof command,
+                   "mkdir %s && cp %s/smartvis_check.so %s && cp %s/" CPU ".so %s/smartvis.so", check,
+                   layer_build(), check, layer_build(), folder);
+    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+    (void)unsetenv("SMARTVIS_CHECK_PLUGIN");
+    layer_subject *s = layer_load(check);
+    layer_create(s);
+    assert_int_equal(s->created, SV_OK);
     layer_close(s);
     (void)snprintf(command, sizeof command, "rm -r %s", folder);
     assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
@@ -288,7 +320,9 @@ int main(void) {
         cmocka_unit_test(stop_makes_errors),
         cmocka_unit_test(off_is_the_plugin_itself),
         cmocka_unit_test(repeated_breaches_are_told_less_and_less),
+        cmocka_unit_test(a_failed_call_leaves_no_nan),
         cmocka_unit_test(a_file_beside_it_has_the_settings),
+        cmocka_unit_test(an_installation_needs_no_setting),
         cmocka_unit_test(what_cannot_be_used_is_told),
         cmocka_unit_test(destroy_waits_for_what_is_under_way),
         cmocka_unit_test(what_passes_is_recorded),

@@ -13,6 +13,7 @@ static void spoil_entry(void);
 __attribute__((constructor)) static void load(void) {
     if (WRONG_IS(crash_in_constructor)) wrong_crash();
     if (WRONG_IS(hang_in_constructor)) wrong_hang();
+    if (WRONG_IS(slow_to_load)) (void)usleep(300000);
     if (WRONG_IS(exit_in_constructor)) exit(0);
 #if WRONG_UNDEFINED
     wrong_function_that_nobody_has();

@@ -15,6 +15,7 @@
     WRONG(hang_in_constructor, library, library-loads, "the library never finishes loading") \
     WRONG(exit_in_constructor, library, library-loads, "loading the library ends the process with exit code 0") \
     WRONG(undefined_symbol, library, library-loads, "the library calls a function that nobody has") \
+    WRONG(slow_to_load, library, library-scan-time, "loading the library takes 0.3 s (a warning)") \
     WRONG(crash_in_destructor, library, library-reloads, "the library crashes while it is unloaded") \
     WRONG(no_symbol, library, library-symbols, "the library exports no smartvis_plugin_entry") \
     WRONG(extra_symbol, library, library-symbols, "the library exports a function beside its entry") \
@@ -66,6 +67,8 @@
     WRONG(first_value_counts, params, param-repeated, "of a repeated id the first value counts") \
     WRONG(one_setting_wrong, params, every-setting, "with one value of an enum the maps are of no use") \
     WRONG(pair_fails, params, param-pairs, "two values that are fine alone fail together") \
+    WRONG(three_fail, params, param-fuzz, "three values that are fine in pairs make a depth NaN") \
+    WRONG(text_disturbs, params, any-calls, "param_text moves the map of the frame under way") \
     WRONG(adjust_ignores_value, params, adjust-equals-frame, "adjust gives the frame's map again, whatever the value") \
     WRONG(depth_nan, results, depth-values, "one depth is NaN") \
     WRONG(depth_1e30, results, depth-values, "all depths are 1e30") \
@@ -165,6 +168,7 @@
     WRONG(frame_blocks, opencl, frame-path-opencl, "end writes with a blocking call") \
     WRONG(frame_creates_buffer, opencl, frame-path-opencl, "slab makes an OpenCL buffer") \
     WRONG(frame_builds, opencl, frame-path-opencl, "begin builds a program") \
+    WRONG(cold_frame, opencl, first-launches, "activate launches no kernel (a warning)") \
     WRONG(leaks_buffer, opencl, opencl-balance, "every activation leaks an OpenCL buffer") \
     WRONG(retains_queue, opencl, opencl-balance, "activate retains the host's queue") \
     WRONG(ignores_opencl_errors, opencl, opencl-faults, "an OpenCL call that fails goes unnoticed") \

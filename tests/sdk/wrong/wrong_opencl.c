@@ -15,7 +15,7 @@ enum { FIND, PLACE, KERNELS };
 static sv_status open_device(sva *a) {
     static const char *const kernels[KERNELS] = {"find", "place"};
     const sv_status status = sva_cl_open(a, kernels_wrong, kernels, KERNELS);
-    return status == SV_OK ? sva_cl_rehearse(a) : status;
+    return status == SV_OK && !WRONG_IS(cold_frame) ? sva_cl_rehearse(a) : status;
 }
 
 static sv_status find(sva *a, const sv_slab *s) {

@@ -2,6 +2,8 @@
 /* Wrong plugins: parameters, how they describe themselves, and which values are taken. */
 #include "wrong_base.h"
 
+static volatile unsigned asked; /* for texts */
+
 #include <math.h>
 
 enum { REPEATED = 5000 };
@@ -47,6 +49,7 @@ static sv_status text(const sv_plugin *plugin, uint32_t id, double value, char *
     if (status != SV_OK) return status;
     if (WRONG_IS(enum_without_names) && id == SIDE) out[0] = '\0';
     if (WRONG_IS(text_without_nul)) memset(out + strlen(out), 'x', bytes - strlen(out));
+    if (WRONG_IS(text_disturbs)) asked++;
     if (WRONG_IS(text_overruns)) memcpy(out, "a text of some length", sizeof "a text of some length");
     return SV_OK;
 }
@@ -105,7 +108,12 @@ static sv_status adjust(const sv_plugin *plugin, const sv_param_value *values, u
 static sv_status end(const sv_plugin *plugin, const sv_result *result) {
     const sva *a = wrong_self(plugin);
     const sv_status status = sva_end(plugin, result);
-    if (WRONG_IS(one_setting_wrong) && status >= 0 && sva_value(a, SIDE) == 1.0) result->depth[0] = NAN;
+    if (status < 0) return status;
+    if (WRONG_IS(text_disturbs)) result->depth[0] += (float)(asked % 7);
+    if (WRONG_IS(three_fail) && sva_value(a, Q) != 0.25 && sva_value(a, LEVEL) != 0.2 &&
+        sva_value(a, GAP) != 1.0)
+        result->depth[0] = NAN;
+    if (WRONG_IS(one_setting_wrong) && sva_value(a, SIDE) == 1.0) result->depth[0] = NAN;
     return status;
 }
 

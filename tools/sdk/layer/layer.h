@@ -6,6 +6,7 @@
  *   layer_say     settings, and the log
  *   layer_entry   the other library, create and destroy
  *   layer_pass    the calls, one after the other: judged, passed on, judged
+ *   layer_extensions  the calls of extensions, in the same way
  *   layer_host    what the host did: a shadow of the instance by smartvis/author_checks.h, and OpenCL objects
  *   layer_watch   samples of voxels and ranges, before the plugin sees them and when the frame has run
  *   layer_results maps, status maps and statistics
@@ -28,6 +29,11 @@
 
 typedef struct ly_watch ly_watch;
 
+enum {
+    LY_MANY_LINES = 1000, /* of the log in one call: what nobody reads */
+    LY_MISTAKES = 256
+};
+
 typedef struct {
     uint64_t count, sum_ns, longest_ns;
 } ly_times;
@@ -46,7 +52,10 @@ typedef struct {
 
     /* Used by any thread. */
     atomic_flag busy; /* a [control] or [frame] call is under way */
-    atomic_bool lost; /* calls overlapped: nobody knows the state until the next deactivate */
+    /* Calls that came beside another one, in all and now; and how many of them are forgotten: with a
+     * deactivate that none came beside, the state is known again. */
+    atomic_uint came, beside, forgiven;
+    atomic_uint lines; /* of the log, since a call began */
     atomic_uint seen[RULE_COUNT];
     rule_sink asked; /* of [any] calls */
     sv_ext_confidence
@@ -63,8 +72,9 @@ typedef struct {
 
     /* Belongs to the call under way. */
     rule_sink called;
-    bool found;        /* a rule was broken */
-    rule_name owed;    /* the plugin's rule that asks for an error; RULE_COUNT: by the error */
+    bool found;     /* a rule was broken */
+    rule_name owed; /* the plugin's rule that asks for an error; RULE_COUNT: by the error */
+    uint32_t mistakes[LY_MISTAKES], mistake_count; /* of the host that were foretold: hashes of why */
     sv_status stopped; /* what a call returns that was stopped, SV_OK if it was not */
     char reason[512];  /* for last_error, of a call that was stopped */
 
@@ -73,10 +83,10 @@ typedef struct {
     sva_method method;
     rule_params *described;
     sva_param *params;
-    double *values;                     /* three for each parameter */
-    ly_watch *watch;                    /* NULL: inactive, or there was no memory */
-    uint64_t last_time_ns, frame_index; /* of the frame under way or the last one */
-    bool told_trouble, told_record;
+    double *values;                            /* three for each parameter */
+    ly_watch *watch;                           /* NULL: inactive, or there was no memory */
+    uint64_t last_time_ns, frame_index;        /* of the frame under way or the last one */
+    bool told_trouble, told_record, has_frame; /* has_frame: an end of this activation succeeded */
     ly_times times[RC_CALLS];
 } ly_instance;
 
@@ -103,6 +113,10 @@ const char *ly_wrong_line(void);
 void ly_log(const ly_instance *i, int32_t severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Before a call that the host got wrong, once for each way and activation: a plugin that does not refuse it
+ * may end the process, and then this is the last line. Nothing for SV_OK. */
+void ly_foretell(ly_instance *i, const char *call, sv_status due, const char *why);
+
 /* Rule sinks: of the call under way, and of calls from any thread. */
 void ly_broken(void *instance, rule_name name, const char *text);
 void ly_broken_asking(void *instance, rule_name name, const char *text);
@@ -114,6 +128,32 @@ uint64_t ly_now(void);
 
 /* The layer's functions, in what the host holds. */
 void ly_fill_calls(ly_instance *i);
+
+static inline ly_instance *ly_of(const sv_plugin *plugin) {
+    return (ly_instance *)(uintptr_t)plugin; /* api is the first member */
+}
+
+/* True if nobody knows the state: calls overlapped, now or since the activation. Whoever has looked at
+ * something that another call may have changed asks behind it. */
+static inline bool ly_is_lost(ly_instance *i) {
+    return atomic_load(&i->came) != atomic_load(&i->forgiven);
+}
+
+/* Around every [control] and [frame] call. enter: false if another one is under way, which is told. */
+bool ly_enter(ly_instance *i, const char *call);
+void ly_leave(ly_instance *i, bool entered);
+
+/* Behind a call of this name that returned `status`. */
+void ly_judge_reason(ly_instance *i, const char *call, sv_status status);
+
+/* ------------------------------------------------------------------------------- layer_extensions -- */
+
+/* The layer's tables, in the instance, and get_extension, in what the host holds. */
+void ly_fill_extensions(ly_instance *i);
+
+/* What needs must return for this, by the same checks. */
+sv_status ly_judge_needs(ly_instance *i, const sv_format *format, const sv_param_value *values,
+                         uint32_t count, const sv_needs_device *device, const sv_needs *out);
 
 /* ------------------------------------------------------------------------------------- layer_host -- */
 

@@ -4,6 +4,7 @@
 
 #include <dlfcn.h>
 #include <pthread.h>
+#include <unistd.h>
 
 /* ---- the other library */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
@@ -50,8 +51,11 @@ static void load(void) {
     const rule_sink to = {note_trouble, unusable};
     char path[2 * PATH_MAX];
     ly_read_settings();
-    if (!ly_path("SMARTVIS_CHECK_PLUGIN", path, sizeof path))
+    if (!ly_path("SMARTVIS_CHECK_PLUGIN", path, sizeof path)) {
         (void)snprintf(path, sizeof path, "%ssmartvis.so", ly_folder);
+        /* An installation has the layer in a folder of its own, so that a host's list of plugins has none. */
+        if (access(path, F_OK) != 0) (void)snprintf(path, sizeof path, "%s../smartvis.so", ly_folder);
+    }
     library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     inner = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
     if (!library)
@@ -66,7 +70,7 @@ static void load(void) {
         judge_entry(&to, inner);
     const sv_descriptor *d = inner ? inner->descriptor(0) : NULL;
     if (inner && (!d || d->size < sizeof *d || !d->id || !d->extensions))
-        refuse("check: SMARTVIS_CHECK_PLUGIN: %.1000s: its first descriptor is not whole", path, NULL);
+        note_trouble(unusable, RULE_descriptors, "descriptor 0: size, id or extensions is not there");
     read_mode();
 }
 
@@ -81,6 +85,8 @@ static void SV_CALL pass_log(const sv_host *host, int32_t severity, const char *
     if (severity < SV_LOG_DEBUG || severity > SV_LOG_PLUGIN_MISBEHAVING)
         rule_tell(&i->asked, RULE_host_callbacks, "log: severity is %d, expected 0 to 5", (int)severity);
     if (!text) rule_tell(&i->asked, RULE_host_callbacks, "log: text is NULL");
+    if (atomic_fetch_add(&i->lines, 1) == LY_MANY_LINES)
+        rule_tell(&i->asked, RULE_host_callbacks, "log: more than %d lines in one call", LY_MANY_LINES);
     if (i->record && text) rec_log(i->record, severity, text);
     if (i->outer->log) i->outer->log(i->outer, severity, text);
 }

@@ -179,11 +179,38 @@ sv_status ly_judge_host(ly_instance *i, const rc_call *c) {
     return due;
 }
 
+/* ---- smartvis.needs/1 */
+sv_status ly_judge_needs(ly_instance *i, const sv_format *format, const sv_param_value *values,
+                         uint32_t count, const sv_needs_device *device, const sv_needs *out) {
+    sva *a = &i->shadow;
+    const uint32_t known = SV_NEEDS_CPU | SV_NEEDS_UNIFIED | SV_NEEDS_DOUBLES;
+    if (!device || !out)
+        return sva_blame(a, SV_ERR_ARGUMENT, "needs of: %s is NULL", device ? "out" : "device");
+    if (device->size < sizeof *device || out->size < sizeof *out)
+        return sva_blame(a, SV_ERR_SIZE, "needs of: the size of device is %u, that of out %u",
+                         (unsigned)device->size, (unsigned)out->size);
+    if ((device->flags & ~known) || device->compute_units == 0)
+        return sva_blame(a, SV_ERR_ARGUMENT, "needs of: device.flags is 0x%x, compute_units is %u",
+                         (unsigned)device->flags, (unsigned)device->compute_units);
+    const sv_status due = sva_check_format(a, format, 1);
+    if (due != SV_OK || count == 0) return due;
+    if (!values)
+        return sva_blame(a, SV_ERR_ARGUMENT, "needs of: values is NULL, value_count is %u", (unsigned)count);
+    for (uint32_t n = 0; n < count; n++) {
+        const sva_param *p = sva_find(a, values[n].id);
+        if (!p)
+            return sva_blame(a, SV_ERR_PARAM_ID, "needs of: no parameter has id %u", (unsigned)values[n].id);
+        if (!sva_value_fits(p, values[n].value))
+            return sva_blame(a, SV_ERR_PARAM_RANGE, "needs of: %s is %g", p->key, values[n].value);
+    }
+    return SV_OK;
+}
+
 /* ---- the shadow */
 static void keep_format(ly_instance *i, const rc_call *c) {
     sva *a = &i->shadow;
     if (!c->sound) { /* taken all the same, whatever it means */
-        atomic_store(&i->lost, true);
+        atomic_fetch_add(&i->came, 1);
         return;
     }
     a->state = SVA_IDLE;
@@ -199,12 +226,14 @@ void ly_follow(ly_instance *i, const rc_call *c) {
     const bool well = c->status >= SV_OK;
     if (c->kind == RC_DEACTIVATE) {
         a->state = SVA_INACTIVE;
-        atomic_store(&i->lost, false);
+        i->has_frame = false;
+        i->mistake_count = 0;
     }
     if (c->kind == RC_ACTIVATE && well) keep_format(i, c);
     if (c->status == SV_ERR_STATE || a->state == SVA_INACTIVE) return; /* such a call changes nothing */
     if (c->kind == RC_BEGIN || c->kind == RC_SLAB) a->state = well ? SVA_SLABS : SVA_IDLE;
     if (c->kind == RC_END) a->state = well ? SVA_FINISHED : SVA_IDLE;
+    i->has_frame |= c->kind == RC_END && well;
     if (c->kind == RC_BEGIN) a->next_slice = 0;
     if (c->kind == RC_SLAB && well && c->slab) a->next_slice = c->slab->first_slice + c->slab->slice_count;
     if (c->kind != RC_BEGIN || !c->sound) return;

@@ -8,10 +8,6 @@
 #include <locale.h>
 #include <time.h>
 
-static ly_instance *of(const sv_plugin *plugin) {
-    return (ly_instance *)(uintptr_t)plugin; /* api is the first member */
-}
-
 uint64_t ly_now(void) {
     struct timespec t;
     (void)clock_gettime(CLOCK_MONOTONIC, &t);
@@ -48,7 +44,7 @@ static void judge_status(ly_instance *i, const rc_call *c, sv_status due, const 
     const bool delivers = c->kind == RC_END || c->kind == RC_ADJUST;
     RULE_EXPECT(to, RULE_frame_outcome, name && (delivers || c->status <= SV_OK), "%s: returns %s (%d)", call,
                 name ? name : "a status that nobody knows", (int)c->status);
-    if (c->kind == RC_DEACTIVATE || atomic_load(&i->lost)) return;
+    if (c->kind == RC_DEACTIVATE || ly_is_lost(i)) return;
     RULE_EXPECT(to, ly_rule_of_refusal(i, c, due), due == SV_OK || c->status < SV_OK,
                 "%s: returns %s, and %s was due: %s", call, name, sv_lookup_status(due), why);
     RULE_EXPECT(to, ly_rule_of_refusal(i, c, c->status),
@@ -57,22 +53,23 @@ static void judge_status(ly_instance *i, const rc_call *c, sv_status due, const 
                 "%s: returns %s for a call that the header allows", call, name);
 }
 
-static void judge_reason(ly_instance *i, const rc_call *c) {
+void ly_judge_reason(ly_instance *i, const char *call, sv_status status) {
     const rule_sink *to = &i->called;
-    if (c->kind == RC_DEACTIVATE) return;
-    const char *call = ly_call_names[c->kind], *reason = i->inner->last_error(i->inner);
+    const char *reason = i->inner->last_error(i->inner);
     RULE_EXPECT(to, RULE_reasons, reason, "%s: last_error is NULL", call);
-    RULE_EXPECT(to, RULE_reasons, c->status >= SV_OK || reason[0], "%s: returns %s, and last_error is empty",
-                call, sv_lookup_status(c->status));
-    RULE_EXPECT(to, RULE_reasons, c->status != SV_OK || !reason[0],
-                "%s: returns SV_OK, and last_error is \"%.100s\"", call, reason);
+    const bool empty = !reason[0];
+    if (ly_is_lost(i)) return; /* it may be another call's */
+    RULE_EXPECT(to, RULE_reasons, status >= SV_OK || !empty, "%s: returns %s, and last_error is empty", call,
+                sv_lookup_status(status));
+    RULE_EXPECT(to, RULE_reasons, status != SV_OK || empty, "%s: returns SV_OK, and last_error is \"%.100s\"",
+                call, reason);
 }
 
 enum { LOCALE_BYTES = 256 };
 static void judge_process(ly_instance *i, const rc_call *c, int rounding, const char *locale) {
     const rule_sink *to = &i->called;
     const char *call = ly_call_names[c->kind];
-    RULE_EXPECT(to, RULE_frame_path_time, !is_frames(c->kind) || c->took_ns <= i->slow_ns,
+    RULE_EXPECT(to, RULE_frame_path_time, !is_frames(c->kind) || c->took_ns <= i->slow_ns || ly_is_lost(i),
                 "%s: took %.1f ms, SMARTVIS_CHECK_MS is %.1f", call, (double)c->took_ns * 1e-6,
                 (double)i->slow_ns * 1e-6);
     RULE_EXPECT(to, RULE_process_untouched, rounding == fegetround(),
@@ -88,6 +85,7 @@ static void judge_process(ly_instance *i, const rc_call *c, int rounding, const 
 /* The call itself, with all that is looked at around it. */
 static void make_call(ly_instance *i, rc_call *c, sv_status due) {
     char why[sizeof i->shadow.reason], locale[LOCALE_BYTES];
+    const char *call = ly_call_names[c->kind];
     const bool control = !is_frames(c->kind);
     const int rounding = fegetround();
     (void)snprintf(why, sizeof why, "%s", i->shadow.reason);
@@ -104,7 +102,7 @@ static void make_call(ly_instance *i, rc_call *c, sv_status due) {
         i->outer->log(i->outer, SV_LOG_WARNING, rec_why(i->record));
     i->told_record = i->record && rec_why(i->record)[0];
     judge_status(i, c, due, why);
-    judge_reason(i, c);
+    if (c->kind != RC_DEACTIVATE) ly_judge_reason(i, call, c->status);
     judge_process(i, c, rounding, control ? locale : NULL);
     ly_times *t = &i->times[c->kind];
     t->count++;
@@ -112,17 +110,26 @@ static void make_call(ly_instance *i, rc_call *c, sv_status due) {
     if (c->took_ns > t->longest_ns) t->longest_ns = c->took_ns;
 }
 
-/* False if another call of the instance is under way. What is not atomic is that one's. */
-static bool enter(ly_instance *i, const char *call) {
-    if (!atomic_flag_test_and_set(&i->busy)) return true;
-    atomic_store(&i->lost, true);
+/* What is not atomic is the other call's. */
+bool ly_enter(ly_instance *i, const char *call) {
+    atomic_store(&i->lines, 0);
+    if (!atomic_flag_test_and_set(&i->busy)) {
+        i->found = false;
+        i->stopped = SV_OK;
+        return true;
+    }
+    atomic_fetch_add(&i->beside, 1); /* in this order: pass looks at both */
+    atomic_fetch_add(&i->came, 1);
     rule_tell(&i->asked, RULE_host_threads, "%s: comes while another call of this instance is under way",
               call);
     return false;
 }
 
-static void leave(ly_instance *i, bool entered) {
-    if (entered) atomic_flag_clear(&i->busy);
+void ly_leave(ly_instance *i, bool entered) {
+    if (entered)
+        atomic_flag_clear(&i->busy);
+    else
+        atomic_fetch_sub(&i->beside, 1);
 }
 
 static void tell_times(ly_instance *i) {
@@ -148,62 +155,67 @@ static void undo_activate(ly_instance *i) {
 }
 
 static sv_status pass(ly_instance *i, rc_call *c) {
-    if (!enter(i, ly_call_names[c->kind]))
-        return i->stops && c->kind != RC_DEACTIVATE ? SV_ERR_STATE : forward(i->inner, c);
-    i->found = false;
-    i->stopped = SV_OK;
+    if (!ly_enter(i, ly_call_names[c->kind])) {
+        const sv_status beside = i->stops && c->kind != RC_DEACTIVATE ? SV_ERR_STATE : forward(i->inner, c);
+        ly_leave(i, false);
+        return beside;
+    }
+    const uint32_t came = atomic_load(&i->came);
+    const bool alone = atomic_load(&i->beside) == 0;
     ly_watch_harvest(i, c->kind == RC_DEACTIVATE);
-    const bool lost = atomic_load(&i->lost);
+    const bool lost = ly_is_lost(i);
     const sv_status due = lost ? SV_OK : ly_judge_host(i, c);
     c->plugin = i->inner;
     c->sound = due == SV_OK && !lost;
+    if (due != SV_OK && i->stopped == SV_OK) ly_foretell(i, ly_call_names[c->kind], due, i->shadow.reason);
     if (i->stopped == SV_OK || c->kind == RC_DEACTIVATE) make_call(i, c, due);
     if (i->stopped != SV_OK) {
         if (c->kind == RC_ACTIVATE && c->start_ns > 0 && c->status >= SV_OK) undo_activate(i);
         c->status = i->stopped = due != SV_OK ? due : i->stopped;
     }
     ly_follow(i, c);
+    if (c->kind == RC_DEACTIVATE && alone) atomic_store(&i->forgiven, came);
     if (c->kind == RC_DEACTIVATE) tell_times(i);
     const sv_status status = c->status;
-    leave(i, true);
+    ly_leave(i, true);
     return status;
 }
 
 /* ---- [control] and [frame] */
 static sv_status SV_CALL ly_activate(const sv_plugin *plugin, const sv_format *format) {
-    return pass(of(plugin), &(rc_call){.kind = RC_ACTIVATE, .format = format});
+    return pass(ly_of(plugin), &(rc_call){.kind = RC_ACTIVATE, .format = format});
 }
 
 static void SV_CALL ly_deactivate(const sv_plugin *plugin) {
-    (void)pass(of(plugin), &(rc_call){.kind = RC_DEACTIVATE});
+    (void)pass(ly_of(plugin), &(rc_call){.kind = RC_DEACTIVATE});
 }
 
 static sv_status SV_CALL ly_begin(const sv_plugin *plugin, const sv_frame *frame) {
-    return pass(of(plugin), &(rc_call){.kind = RC_BEGIN, .frame = frame});
+    return pass(ly_of(plugin), &(rc_call){.kind = RC_BEGIN, .frame = frame});
 }
 
 static sv_status SV_CALL ly_slab(const sv_plugin *plugin, const sv_slab *slab) {
-    return pass(of(plugin), &(rc_call){.kind = RC_SLAB, .slab = slab});
+    return pass(ly_of(plugin), &(rc_call){.kind = RC_SLAB, .slab = slab});
 }
 
 static sv_status SV_CALL ly_end(const sv_plugin *plugin, const sv_result *result) {
-    return pass(of(plugin), &(rc_call){.kind = RC_END, .result = result});
+    return pass(ly_of(plugin), &(rc_call){.kind = RC_END, .result = result});
 }
 
 static sv_status SV_CALL ly_adjust(const sv_plugin *plugin, const sv_param_value *values, uint32_t count,
                                    const sv_result *result) {
-    return pass(of(plugin),
+    return pass(ly_of(plugin),
                 &(rc_call){.kind = RC_ADJUST, .values = values, .value_count = count, .result = result});
 }
 
 static const char *SV_CALL ly_last_error(const sv_plugin *plugin) {
-    const ly_instance *i = of(plugin);
+    const ly_instance *i = ly_of(plugin);
     return i->stopped != SV_OK ? i->reason : i->inner->last_error(i->inner);
 }
 
 /* ---- [any] */
 static uint32_t SV_CALL ly_param_count(const sv_plugin *plugin) {
-    return of(plugin)->inner->param_count(of(plugin)->inner);
+    return ly_of(plugin)->inner->param_count(ly_of(plugin)->inner);
 }
 
 /* The plugin writes into memory of the layer's, so that what it writes behind is seen. */
@@ -212,7 +224,7 @@ static sv_status SV_CALL ly_param_info(const sv_plugin *plugin, uint32_t index, 
         sv_param_info info;
         uint8_t behind[64];
     } room;
-    ly_instance *i = of(plugin);
+    ly_instance *i = ly_of(plugin);
     if (!out || out->size != sizeof *out) return i->inner->param_info(i->inner, index, out);
     memset(&room, 0x5a, sizeof room);
     room.info = *out;
@@ -234,7 +246,7 @@ static sv_status SV_CALL ly_param_text(const sv_plugin *plugin, uint32_t id, dou
                                        uint32_t bytes) {
     enum { MAX_BYTES = 256, BEHIND = 64 };
     char room[MAX_BYTES + BEHIND];
-    ly_instance *i = of(plugin);
+    ly_instance *i = ly_of(plugin);
     if (!out || bytes == 0 || bytes > MAX_BYTES) return i->inner->param_text(i->inner, id, value, out, bytes);
     memset(room, 0x5a, sizeof room);
     const sv_status status = i->inner->param_text(i->inner, id, value, room, bytes);
@@ -251,107 +263,6 @@ static sv_status SV_CALL ly_param_text(const sv_plugin *plugin, uint32_t id, dou
     return status;
 }
 
-/* ---- extensions: their functions are given the plugin's own instance */
-/* Their calls are [control] or [frame], too. */
-#define PASS_ON(plugin, name, type, expression)                                                              \
-    ly_instance *i = of(plugin);                                                                             \
-    const bool entered = enter(i, name);                                                                     \
-    const type result = expression;                                                                          \
-    leave(i, entered)
-
-static sv_status SV_CALL ly_confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
-    PASS_ON(plugin, "confidence read", sv_status, i->inner_confidence->read(i->inner, map, out));
-    if (result == SV_OK && map && entered)
-        judge_confidence(&i->asked, map, i->shadow.format.width, i->shadow.format.height, "confidence read");
-    return result;
-}
-
-static uint32_t SV_CALL ly_confidence_offered(const sv_plugin *plugin) {
-    PASS_ON(plugin, "confidence offered", uint32_t, i->inner_confidence->offered(i->inner));
-    return result;
-}
-
-static sv_status SV_CALL ly_confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
-                                             uint64_t offset) {
-    PASS_ON(plugin, "confidence write", sv_status, i->inner_confidence->write(i->inner, map, object, offset));
-    if (result == SV_OK && map && entered && !i->shadow.format.queue)
-        judge_confidence(&i->asked, map, i->shadow.format.width, i->shadow.format.height, "confidence write");
-    return result;
-}
-
-static sv_status SV_CALL ly_needs_of(const sv_plugin *plugin, const sv_format *format,
-                                     const sv_param_value *values, uint32_t count,
-                                     const sv_needs_device *device, sv_needs *out) {
-    PASS_ON(plugin, "needs of", sv_status, i->inner_needs->of(i->inner, format, values, count, device, out));
-    return result;
-}
-
-static sv_status SV_CALL ly_points_write(const sv_plugin *plugin, sv_points_report *out) {
-    PASS_ON(plugin, "points write", sv_status, i->inner_points->write(i->inner, out));
-    return result;
-}
-
-static sv_status SV_CALL ly_spline_report(const sv_plugin *plugin, sv_spline_report *out) {
-    PASS_ON(plugin, "spline report", sv_status, i->inner_spline->report(i->inner, out));
-    return result;
-}
-
-static sv_status SV_CALL ly_timing_enable(const sv_plugin *plugin, uint32_t on) {
-    PASS_ON(plugin, "timing enable", sv_status, i->inner_timing->enable(i->inner, on));
-    return result;
-}
-
-static sv_status SV_CALL ly_timing_stage_times(const sv_plugin *plugin, sv_stage_times *out) {
-    PASS_ON(plugin, "timing stage_times", sv_status, i->inner_timing->stage_times(i->inner, out));
-    return result;
-}
-
-/* True if the descriptor names the extension. */
-static bool is_announced(const ly_instance *i, const char *id) {
-    const char *const *known = i->inner->descriptor->extensions;
-    for (; known && *known; known++)
-        if (strcmp(*known, id) == 0) return true;
-    return false;
-}
-
-static const void *SV_CALL ly_get_extension(const sv_plugin *plugin, const char *id) {
-    ly_instance *i = of(plugin);
-    const void *table = i->inner->get_extension(i->inner, id);
-    if (!table || !id) return NULL;
-    if (!is_announced(i, id)) {
-        rule_tell(&i->asked, RULE_extensions,
-                  "get_extension: there is a table for \"%.60s\", which the descriptor does not name", id);
-        return NULL;
-    }
-    if (strcmp(id, SV_EXT_CONFIDENCE) == 0) return &i->confidence;
-    if (strcmp(id, SV_EXT_NEEDS) == 0) return &i->needs;
-    if (strcmp(id, SV_EXT_POINTS) == 0) return &i->points;
-    if (strcmp(id, SV_EXT_SPLINE) == 0) return &i->spline;
-    if (strcmp(id, SV_EXT_TIMING) == 0) return &i->timing;
-    ly_log(i, SV_LOG_INFO, "get_extension: the layer does not know \"%.60s\" and leaves it out", id);
-    return NULL;
-}
-
-/* The plugin's table of an extension, and a copy in `own` for the host, of the plugin's size at most. */
-static const void *find_table(const ly_instance *i, const char *id, void *own, uint32_t bytes) {
-    const uint32_t *table = is_announced(i, id) ? i->inner->get_extension(i->inner, id) : NULL;
-    if (table) *(uint32_t *)own = *table < bytes ? *table : bytes;
-    return table;
-}
-
-static void fill_extensions(ly_instance *i) {
-    i->confidence = (sv_ext_confidence){0, 0, ly_confidence_read, ly_confidence_offered, ly_confidence_write};
-    i->needs = (sv_ext_needs){0, 0, ly_needs_of};
-    i->points = (sv_ext_points){0, 0, ly_points_write};
-    i->spline = (sv_ext_spline){0, 0, ly_spline_report};
-    i->timing = (sv_ext_timing){0, 0, ly_timing_enable, ly_timing_stage_times};
-    i->inner_confidence = find_table(i, SV_EXT_CONFIDENCE, &i->confidence, sizeof i->confidence);
-    i->inner_needs = find_table(i, SV_EXT_NEEDS, &i->needs, sizeof i->needs);
-    i->inner_points = find_table(i, SV_EXT_POINTS, &i->points, sizeof i->points);
-    i->inner_spline = find_table(i, SV_EXT_SPLINE, &i->spline, sizeof i->spline);
-    i->inner_timing = find_table(i, SV_EXT_TIMING, &i->timing, sizeof i->timing);
-}
-
 void ly_fill_calls(ly_instance *i) {
     i->api.activate = ly_activate;
     i->api.deactivate = ly_deactivate;
@@ -363,6 +274,5 @@ void ly_fill_calls(ly_instance *i) {
     i->api.param_info = ly_param_info;
     i->api.param_text = ly_param_text;
     i->api.last_error = ly_last_error;
-    i->api.get_extension = ly_get_extension;
-    fill_extensions(i);
+    ly_fill_extensions(i);
 }

@@ -74,7 +74,14 @@ static void note_results(ly_slot *s, const rc_call *c) {
     s->stats = c->result->stats != NULL;
 }
 
-/* Own queue: the results are there. Pixels that were not written clip nothing from now on. */
+/* Pixels that were not written clip nothing. */
+static void mend(const ly_watch *w, const sv_result *r) {
+    for (size_t y = 0; y < w->format.height; y++)
+        for (size_t x = 0; x < w->format.width; x++)
+            if (isnan(map_row(w, r, y)[x])) map_row(w, r, y)[x] = 0.0f;
+}
+
+/* Own queue: the results are there. */
 static void judge_memory(ly_instance *i, const rc_call *c) {
     ly_watch *w = i->watch;
     const sv_result *r = c->result;
@@ -86,11 +93,11 @@ static void judge_memory(ly_instance *i, const rc_call *c) {
     if (r->status) memcpy(s->block + ly_status_at(w), r->status, w->rays);
     if (r->stats) memcpy(s->block + ly_stats_at(w), r->stats, sizeof *r->stats);
     note_results(s, c);
-    ly_results_judge(i, s);
-    if (seen == atomic_load(&i->seen[RULE_depth_values])) return;
-    for (size_t y = 0; y < w->format.height; y++)
-        for (size_t x = 0; x < w->format.width; x++)
-            if (isnan(map_row(w, r, y)[x])) map_row(w, r, y)[x] = 0.0f;
+    if (ly_is_lost(i))
+        mend(w, r);
+    else
+        ly_results_judge(i, s);
+    if (seen != atomic_load(&i->seen[RULE_depth_values])) mend(w, r);
 }
 
 /* Host's queue: enqueues the way of results and second samples into the block. */
@@ -134,6 +141,7 @@ void ly_results_after(ly_instance *i, const rc_call *c) {
     ly_watch *w = i->watch;
     if (c->status >= SV_OK && ly_is_own(w)) judge_memory(i, c);
     if (c->status >= SV_OK && !ly_is_own(w)) enqueue_results(w, c);
+    w->now->muddled = ly_is_lost(i);
     if (c->status >= SV_OK) return;
     /* The NaN of before must not reach a renderer. */
     if (ly_is_own(w))

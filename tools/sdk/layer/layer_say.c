@@ -2,6 +2,8 @@
 /* What the layer is told, and what it tells: settings, and the log with its rules. */
 #include "layer/layer.h"
 
+#include "smartvis/lookup.h"
+
 #include <dlfcn.h>
 
 const char *const ly_call_names[RC_CALLS] = {"create", "destroy", "activate", "deactivate",
@@ -70,6 +72,28 @@ void ly_log(const ly_instance *i, int32_t severity, const char *format, ...) {
         i->outer->log(i->outer, severity, text);
     else if (severity >= SV_LOG_WARNING)
         (void)fprintf(stderr, "%s\n", text);
+}
+
+static uint32_t hash(const char *text) {
+    uint32_t sum = 2166136261u;
+    for (; *text; text++) sum = (sum ^ (uint8_t)*text) * 16777619u;
+    return sum;
+}
+
+/* True once for a mistake; when there is no more room, never. */
+static bool is_new(ly_instance *i, const char *why) {
+    const uint32_t sum = hash(why);
+    for (uint32_t n = 0; n < i->mistake_count; n++)
+        if (i->mistakes[n] == sum) return false;
+    if (i->mistake_count == LY_MISTAKES) return false;
+    i->mistakes[i->mistake_count++] = sum;
+    return true;
+}
+
+void ly_foretell(ly_instance *i, const char *call, sv_status due, const char *why) {
+    if (due != SV_OK && is_new(i, why))
+        ly_log(i, SV_LOG_DEBUG, "%s: is passed on as it is, and the plugin owes %s", call,
+               sv_lookup_status(due));
 }
 
 /* ---- broken rules */

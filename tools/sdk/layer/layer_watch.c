@@ -223,9 +223,10 @@ void ly_watch_after(ly_instance *i, const rc_call *c) {
     }
     if (!w || !w->now) return;
     const bool well = c->sound && c->status >= SV_OK;
-    if (c->kind == RC_SLAB && well) compare_memory(i, RULE_inputs_unchanged, w->before_slab, "slab");
-    if (c->kind == RC_BEGIN && well) compare_memory(i, RULE_inputs_unchanged, 0, "begin");
-    if (c->result && well && ly_is_own(w))
+    const bool looks = well && !ly_is_lost(i);
+    if (c->kind == RC_SLAB && looks) compare_memory(i, RULE_inputs_unchanged, w->before_slab, "slab");
+    if (c->kind == RC_BEGIN && looks) compare_memory(i, RULE_inputs_unchanged, 0, "begin");
+    if (c->result && looks && ly_is_own(w))
         compare_memory(i, RULE_inputs_unchanged, 0, ly_call_names[c->kind]);
     if (c->result && c->sound) ly_results_after(i, c);
     if (well && !c->result) return;
@@ -246,7 +247,7 @@ void ly_watch_harvest(ly_instance *i, bool wait) {
         (void)clReleaseEvent(s->done);
         s->done = NULL;
         if (status < CL_COMPLETE) w->trouble = status;
-        if (w->trouble) continue;
+        if (w->trouble || s->muddled || ly_is_lost(i)) continue;
         for (uint32_t k = 0; k < s->count; k++)
             compare(&i->called, RULE_host_contents, s, &s->places[k], s->block + w->samples + s->places[k].at,
                     s->places[k].bytes, "frame");

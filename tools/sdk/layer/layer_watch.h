@@ -46,6 +46,7 @@ typedef struct {
     sv_status returned;
     uint32_t stats_size; /* as the host set it */
     bool status, stats;  /* are in the block */
+    bool muddled;        /* another call came between: it is not judged */
 } ly_slot;
 
 struct ly_watch {

@@ -418,6 +418,7 @@ bool rp_play(const rp_options *o, rp_report *report, hs_error *err) {
         rp_hand_close(&p->hand);
         rp_frame_free(&p->frame);
         hs_error ended = {0};
+        p->plugin.complaint[0] = '\0'; /* lines are compared */
         if (!hs_guarded_close(&p->plugin, &ended) && ok) ok = hs_fail(err, ended.code, "%s", ended.text);
     } else {
         ok = false;
