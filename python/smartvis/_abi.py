@@ -83,6 +83,10 @@ SV_FEATURE_PROBE = 1 << 3
 
 SV_EXT_CONFIDENCE = "smartvis.confidence/1"
 SV_EXT_POINTS = "smartvis.points/1"
+SV_EXT_NEEDS = "smartvis.needs/1"
+SV_NEEDS_CPU = 1 << 0
+SV_NEEDS_UNIFIED = 1 << 1
+SV_NEEDS_DOUBLES = 1 << 2
 
 
 class sv_host(Structure):
@@ -323,6 +327,41 @@ class sv_ext_points(Structure):
         ("size", c_uint32),
         ("reserved", c_uint32),
         ("write", CFUNCTYPE(c_int32, SELF, POINTER(sv_points_report))),
+    ]
+
+
+class sv_needs_device(Structure):
+    _fields_ = [("size", c_uint32), ("flags", c_uint32), ("compute_units", c_uint32), ("reserved", c_uint32)]
+
+
+class sv_needs(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("commands", c_uint32),
+        ("adjust_commands", c_uint32),
+        ("reserved", c_uint32),
+        ("device_bytes", c_uint64),
+        ("largest_buffer", c_uint64),
+        ("host_bytes", c_uint64),
+    ]
+
+
+class sv_ext_needs(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_uint32),
+        (
+            "of",
+            CFUNCTYPE(
+                c_int32,
+                SELF,
+                POINTER(sv_format),
+                POINTER(sv_param_value),
+                c_uint32,
+                POINTER(sv_needs_device),
+                POINTER(sv_needs),
+            ),
+        ),
     ]
 
 

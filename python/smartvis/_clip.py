@@ -6,7 +6,7 @@ from __future__ import annotations
 import atexit
 import threading
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -25,8 +25,9 @@ class ClipperCache:
     """Clippers by format and fixed parameters; the one that was not used for longest goes first. For many
     volumes of few formats. Any thread: calls are one after the other."""
 
-    def __init__(self, most: int = 2) -> None:
+    def __init__(self, most: int = 2, admit: Callable[[int], None] | None = None) -> None:
         self._most = most
+        self._admit = admit
         self._lock = threading.Lock()
         self._clippers: OrderedDict[Any, Clipper] = OrderedDict()
 
@@ -51,7 +52,9 @@ class ClipperCache:
                 while len(self._clippers) >= self._most:
                     self._clippers.popitem(last=False)[1].close()
                 fixed_values: dict[str, Any] = fixed
-                clipper = Clipper(volume.shape, spacing, scanned=scanned is not None, plugin=plugin, **fixed_values)
+                clipper = Clipper(
+                    volume.shape, spacing, scanned=scanned is not None, plugin=plugin, admit=self._admit, **fixed_values
+                )
             self._clippers[key] = clipper
             clipper.reset(**parameters)
             return clipper(volume, scanned, discontinuity=discontinuity, probe=probe).copy()

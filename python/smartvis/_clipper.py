@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Self
 
@@ -45,11 +45,13 @@ class Clipper:
         buffer: NDArray[np.uint8] | bool = False,
         confidence: bool = True,
         plugin: Plugin | None = None,
+        admit: Callable[[int], None] | None = None,
         **parameters: object,
     ) -> None:
         """`shape`: slices, height, width. `spacing`: mm along x, y, z; None: unknown. `scanned`: every call
         brings the scanned ranges. `padding`: this grey value was not scanned. `buffer`: True: volumes lie in
-        the array `self.buffer`, or an array of uint8 of yours in which they will lie. `parameters`: those of
+        the array `self.buffer`, or an array of uint8 of yours in which they will lie. `admit` is told the bytes
+        that the plugin says it needs, before it takes them, and may raise. `parameters`: those of
         the plugin by key; the rest keep their defaults.
 
         PluginError: the plugin refuses, with its reason. ValueError: an unknown parameter, an impossible shape.
@@ -68,7 +70,10 @@ class Clipper:
         self._calls = self._instance.contents
         self._frame_index = 0
         try:
-            self._check("activate", self._calls.activate(self._instance, ctypes.byref(self._format(scanned, padding))))
+            made = self._format(scanned, padding)
+            if admit is not None:
+                admit(self._needed(made))
+            self._check("activate", self._calls.activate(self._instance, ctypes.byref(made)))
         except BaseException:
             self._calls.destroy(self._instance)
             self._instance = None
@@ -132,6 +137,17 @@ class Clipper:
             self._write_points = self._points.write
         self._confidence_report = _abi.sized(_abi.sv_confidence_report)
         self._points_report = _abi.sized(_abi.sv_points_report)
+
+    def _needed(self, made: _abi.sv_format) -> int:
+        """Bytes by smartvis.needs/1; of a plugin that does not tell, what any needs: a volume and its maps."""
+        needs = _abi.sized(_abi.sv_needs)
+        device = _abi.sized(_abi.sv_needs_device, flags=_abi.SV_NEEDS_CPU | _abi.SV_NEEDS_UNIFIED, compute_units=16)
+        table = self._extension(_abi.SV_EXT_NEEDS, _abi.sv_ext_needs)
+        if table is None:
+            return 2 * self._bytes
+        arguments = (ctypes.byref(made), self._values, len(self._values), ctypes.byref(device), ctypes.byref(needs))
+        self._check("needs", table.of(self._instance, *arguments))
+        return int(needs.device_bytes + needs.host_bytes)
 
     def _extension(self, name: str, table: type[ctypes.Structure]) -> Any:
         address = self._calls.get_extension(self._instance, name.encode())

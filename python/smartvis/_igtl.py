@@ -8,6 +8,7 @@ import re
 import socket
 import struct
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -30,20 +31,44 @@ class PeerGone(SmartVisError):
     """The peer closed the connection, or stopped in the middle of a message."""
 
 
+class Refused(SmartVisError):
+    """There is no room for what a peer sent. `device_name`: of the message."""
+
+    device_name = ""
+
+
 def messages() -> Any:
     """pyigtl's messages."""
     try:
         import pyigtl.messages
     except ImportError:
         raise MissingExtraError("pyigtl", "serve", "smartvis serve") from None
+    if pyigtl.messages.CRC64 is not _checksum:
+        _whole_checksums.append(pyigtl.messages.CRC64)
+        pyigtl.messages.CRC64 = _checksum
     return pyigtl.messages
+
+
+_whole_checksums: list[Any] = []  # pyigtl's own function, behind the one that follows
+
+
+def _checksum(data: Any, checksum: int = 0) -> int:
+    """By parts: pyigtl's keeps all other threads waiting until it has done, seconds for a large volume."""
+    with memoryview(data) as view:
+        for at in range(0, len(view), _CHUNK):
+            checksum = _whole_checksums[0](bytes(view[at : at + _CHUNK]), checksum)
+    return checksum
 
 
 class Channel:
     """Receives whole messages from one peer."""
 
-    def __init__(self, peer: socket.socket, limit: int, patience: float) -> None:
-        """`limit`: bytes of the longest message; `patience`: seconds that one may take to arrive."""
+    def __init__(
+        self, peer: socket.socket, limit: int, patience: float, admit: Callable[[int], None] | None = None
+    ) -> None:
+        """`limit`: bytes of the longest message; `patience`: seconds that one may take to arrive. `admit` is told
+        a message's bytes before it is read, and may raise Refused: then it is passed over."""
+        self._admit = admit
         self._peer = peer
         self._limit = limit
         self._patience = patience
@@ -58,12 +83,20 @@ class Channel:
         self._fill(memoryview(header)[:1])
         end = time.monotonic() + self._patience
         self._fill(memoryview(header)[1:], end)
-        version, raw_type, _, _, _, size, checksum = _HEADER.unpack(header)
+        fields = _HEADER.unpack(header)
+        version, raw_type, _, _, _, size, checksum = fields
         kind = raw_type.rstrip(b"\0 ")
         if version not in _SPOKEN or not _TYPE.fullmatch(kind):
             raise ProtocolError(f"no OpenIGTLink header: version {version}, type {raw_type!r}")
         if size > self._limit:
             raise ProtocolError(f"a {kind.decode()} message of {size} bytes, allowed are {self._limit}")
+        try:
+            if self._admit is not None:
+                self._admit(size)
+        except Refused as refused:
+            self._pass_over(size, end)
+            refused.device_name = fields[2].rstrip(b"\0 ").decode("ascii", "replace")
+            raise
         body = self._body(size, end)
         if self._messages.CRC64(body) != checksum:
             raise ProtocolError(f"a {kind.decode()} message with a wrong checksum")
@@ -79,6 +112,11 @@ class Channel:
             return message
         except Exception as error:  # whatever a hostile body makes of pyigtl's parser
             raise ProtocolError(f"a message that cannot be read: {type(error).__name__}: {error}") from None
+
+    def _pass_over(self, size: int, end: float) -> None:
+        with memoryview(self._chunk) as view:
+            while size > 0:
+                size -= self._some(view[:size], end)
 
     def _body(self, size: int, end: float) -> bytes:
         """Memory grows with what has arrived, not with what a header promises."""

@@ -141,6 +141,15 @@ class Plugin:
                 instance.contents.destroy(instance)
         return self._parameters
 
+    def check(self, values: Mapping[str, object]) -> None:
+        """ValueError names a value that the plugin will refuse: out of its range, between its steps, or NaN."""
+        ids = {p.id: p for p in self.parameters.values()}
+        for number, value in self.encode(values).items():
+            p = ids[number]
+            steps = (value - p.minimum) / p.step if p.type != "float" and p.step > 0 else 0.0
+            if not (p.minimum <= value <= p.maximum) or steps != round(steps):
+                raise ValueError(f"{p.key}={value:g} is not in {p.minimum:g} .. {p.maximum:g}")
+
     def encode(self, values: Mapping[str, object]) -> dict[int, float]:
         """Values by key as numbers by id; ValueError names a key that the plugin does not have."""
         known = self.parameters

@@ -232,7 +232,9 @@ def command_serve(args: argparse.Namespace) -> int:
 
     settings = settings_of(args)
     try:
-        server = Server(settings, args.host, args.port, limit=args.limit << 20, clients=args.clients)
+        memory, together = (m and m << 20 for m in (args.memory, args.all_memory))
+        bounds = {"limit": args.limit << 20, "clients": args.clients, "memory": memory, "all_memory": together}
+        server = Server(settings, args.host, args.port, **bounds)
     except (OSError, OverflowError) as error:
         raise ValueError(f"--host {args.host} --port {args.port}: {error}") from None
     host, port = server.server_address[:2]
@@ -343,6 +345,8 @@ def parser_of() -> argparse.ArgumentParser:
     )
     serve.add_argument("--port", type=int, default=18944, help="[18944]; 0: any, which is printed")
     serve.add_argument("--limit", type=positive, default=512, help="MiB of the longest message [512]")
+    serve.add_argument("--memory", type=positive, help="MiB for a client's volume [a quarter of the machine's]")
+    serve.add_argument("--all-memory", type=positive, help="MiB for the volumes of all [half of the machine's]")
     serve.add_argument("--clients", type=positive, default=8, help="connections at a time [8]")
     add_clip_options(serve, scanned="rays")
     serve.set_defaults(run=command_serve)

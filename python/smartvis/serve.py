@@ -15,6 +15,7 @@ that sends nonsense, stops in the middle or vanishes ends its own connection onl
 from __future__ import annotations
 
 import logging
+import os
 import socket
 import socketserver
 import threading
@@ -26,13 +27,14 @@ from numpy.typing import NDArray
 
 from ._clip import ClipperCache, clip
 from ._errors import SmartVisError
-from ._igtl import Channel, PeerGone, ProtocolError, image_message, messages, string_message
+from ._igtl import Channel, PeerGone, ProtocolError, Refused, image_message, messages, string_message
 from ._plugin import Plugin
 from ._result import Result
 from ._work import Settings
 
 log = logging.getLogger("smartvis.serve")
 
+_COPIES = 9  # of a message: as it came, by type and view, clipped, and packed with its header
 _LONGEST_NAME = 12  # "_clipped" follows, and a device name has 20 characters
 
 
@@ -51,15 +53,21 @@ class Server(socketserver.ThreadingTCPServer):
         *,
         limit: int = 512 << 20,
         clients: int = 8,
+        memory: int | None = None,
+        all_memory: int | None = None,
         patience: float = 10.0,
     ) -> None:
         """`limit`: bytes of the longest message that is read. `clients`: connections at a time; more are closed
-        at once. `patience`: seconds in which a message that has begun must be through, in either direction."""
+        at once. `memory`, `all_memory`: bytes that a client's volume, and those of all, may take with what is made
+        of them; None: a quarter and a half of the machine's memory. `patience`: seconds in which a message that has
+        begun must be through, in either direction."""
         messages()  # what is missing is told before a client comes
         settings.load()
         self.settings = settings
         self.limit = limit
         self.patience = patience
+        machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+        self.budget = Budget(memory or machine // 4, all_memory or machine // 2)
         self._room = threading.BoundedSemaphore(clients)
         super().__init__((host, port), _Connection)
 
@@ -75,20 +83,41 @@ class Server(socketserver.ThreadingTCPServer):
         self._room.release()
 
 
+class Budget:
+    """Memory that clients share: bytes that each holds now."""
+
+    def __init__(self, each: int, together: int) -> None:
+        self._each = each
+        self._together = together
+        self._lock = threading.Lock()
+        self._held: dict[object, int] = {}
+
+    def hold(self, client: object, count: int) -> None:
+        """From now on `count` bytes, 0: none. Refused: there is no room, and the client holds what it held."""
+        with self._lock:
+            others = sum(self._held.values()) - self._held.get(client, 0)
+            room = min(self._each, self._together - others)
+            if count > room:
+                raise Refused(f"the volume takes {count >> 20} MiB here, and there is room for {max(room, 0) >> 20}")
+            self._held[client] = count
+            if count == 0:
+                del self._held[client]
+
+
 class _Connection(socketserver.BaseRequestHandler):
     server: Server
 
     def handle(self) -> None:
-        session = Session(self.server.settings)
+        session = Session(self.server.settings, self.server.budget)
         self.request.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         _ask_the_silent(self.request)
-        channel = Channel(self.request, self.server.limit, self.server.patience)
+        channel = Channel(self.request, self.server.limit, self.server.patience, session.receives)
         try:
             while True:
-                message = channel.receive()
-                for answer in session.answer(message) if message is not None else ():
+                for answer in session.answer_next(channel):
                     self.request.settimeout(self.server.patience)
                     self.request.sendall(answer.pack())
+                session.rests()
         except ProtocolError as error:
             log.warning("%s: %s; the connection is closed", self.client_address, error)
         except (PeerGone, OSError) as error:
@@ -105,14 +134,40 @@ class _Connection(socketserver.BaseRequestHandler):
 class Session:
     """What one client's messages come to, without a socket."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, budget: Budget) -> None:
         self._settings = settings
         self._plugin: Plugin = settings.load()
-        self._cache = ClipperCache(most=1)
+        self._cache = ClipperCache(most=1, admit=self._activates)
+        self._budget = budget
+        self._message = self._activated = 0  # bytes
 
     def close(self) -> None:
         """Ends the plugin's instance."""
         self._cache.close()
+        self._budget.hold(self, 0)
+
+    def receives(self, size: int) -> None:
+        """Before a message of so many bytes is read. Refused: there is no room for it."""
+        self._budget.hold(self, _COPIES * size + self._activated)
+        self._message = size
+
+    def rests(self) -> None:
+        """The message has gone; the plugin's instance stays."""
+        self._message = 0
+        self._budget.hold(self, self._activated)
+
+    def _activates(self, needed: int) -> None:
+        self._activated = 0  # there is one instance, and the one before has ended
+        self._budget.hold(self, _COPIES * self._message + needed)
+        self._activated = needed
+
+    def answer_next(self, channel: Channel) -> list[Any]:
+        """The messages that answer the next one."""
+        try:
+            message = channel.receive()
+        except Refused as refused:
+            return [string_message(f"{refused.device_name[:_LONGEST_NAME]}_outcome", f"ERROR {refused}")]
+        return [] if message is None else self.answer(message)
 
     def answer(self, message: Any) -> list[Any]:
         """The messages that answer one; none for types that mean nothing here."""
@@ -127,7 +182,7 @@ class Session:
         try:
             pairs = dict(word.split("=", 1) for word in message.string.split())
             values = {k: v if v in _choices(self._plugin, k) else float(v) for k, v in pairs.items()}
-            self._plugin.encode(values)
+            self._plugin.check(values)
         except ValueError as error:
             return string_message(name, f"ERROR {error}")
         self._settings = replace(self._settings, parameters=self._settings.parameters | values)

@@ -10,7 +10,7 @@ from conftest import SOURCE
 
 from smartvis import _abi
 
-HEADERS = ("smartvis_plugin.h", "smartvis/confidence.h", "smartvis/points.h")
+HEADERS = ("smartvis_plugin.h", "smartvis/confidence.h", "smartvis/points.h", "smartvis/needs.h")
 STRUCTS = [
     s for n, s in vars(_abi).items() if n.startswith("sv_") and isinstance(s, type) and issubclass(s, ctypes.Structure)
 ]
