@@ -68,10 +68,29 @@ def how_it_ends():
         stays.end()
 
 
+def many_pages_leave_little():
+    """What worked for a page that has closed is gone with it, sixty times: the threads' memory, too."""
+    console = Console(BUILD, [*PLUGINS, "--stay"])
+    try:
+        for n in range(60):
+            page = Page(console)
+            holds(page.show(camera={"yaw": n, "pitch": 0, "roll": 0, "zoom": 1}, picture=256)["type"] == "frame", "there is no frame")
+            page.close()
+            time.sleep(0.2)  # four pages at most: this one's room is free again
+        time.sleep(1)
+        with open(f"/proc/{console.process.pid}/status") as status:
+            mib = int(status.read().split("VmRSS:")[1].split()[0]) >> 10
+        holds(mib < 250 or os.environ.get("SV_SANITIZE"), f"after 60 pages the console has {mib} MiB")
+        print(f"{mib} MiB after 60 pages")
+    finally:
+        console.end()
+
+
 def main():
     command_lines()
     who_comes_early()
     how_it_ends()
+    many_pages_leave_little()
     print("ok")
 
 

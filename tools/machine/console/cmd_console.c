@@ -9,6 +9,7 @@
 #include "guarded/guard_options.h"
 #include "loop/source_options.h"
 
+#include <malloc.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -135,6 +136,9 @@ static bool serve(console_line *line, hs_error *err) {
 int hs_cmd_console(int argc, char **argv) {
     console_line line;
     hs_error err = {0};
+#ifdef __GLIBC__
+    (void)mallopt(M_ARENA_MAX, 2); /* threads come and go with pages, and each would leave an arena behind */
+#endif
     bool ok = parse(argc, argv, &line, &err);
     if (ok && line.help)
         print_help();

@@ -9,6 +9,7 @@
 
 #include "base/progress.h"
 
+#include <malloc.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -200,4 +201,7 @@ void hs_console_page_close(hs_console_page *page) {
     (void)pthread_mutex_destroy(&page->lock);
     (void)pthread_cond_destroy(&page->changed);
     free(page);
+#ifdef __GLIBC__
+    (void)malloc_trim(0); /* its volume and pictures are the system's again, not the next page's */
+#endif
 }
