@@ -80,7 +80,9 @@ static void report_accident(const hs_child_end *end, const v_report *report, v_f
                    report->where[0] ? report->where : "the check itself",
                    line ? "; last line of its log: \"" : "", line, report->line, line ? "\"" : "");
     out->verdict = end->fate == HS_CHILD_LATE ? V_TIMEOUT : V_CRASH;
-    keep_text(out, "%s; under way: %s", how, where);
+    /* Whose code died: a check names each call of the plugin before it makes it. */
+    keep_text(out, report->where[0] ? "%s; under way: %s" : "%s; sv_validate's own, under way: %s", how,
+              where);
 }
 
 static bool run_in_child(const job *j, v_finding *out, hs_error *err) {
@@ -158,11 +160,15 @@ typedef struct {
     char path[PATH_MAX];
 } command;
 
-static bool take_only(void *all, const char *id, hs_error *err) {
+static bool take_only(void *all, const char *ids, hs_error *err) {
     command *const c = all;
-    const v_check *check = v_check_find(id);
-    if (!check) return hs_fail(err, HS_ERR_USAGE, "--only: there is no check '%s' (see --list)", id);
-    if (c->only_count < MAX_CHECKS) c->only[c->only_count++] = check;
+    for (const char *at = ids; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+        char id[64];
+        (void)snprintf(id, sizeof id, "%.*s", (int)strcspn(at, ","), at);
+        const v_check *check = v_check_find(id);
+        if (!check) return hs_fail(err, HS_ERR_USAGE, "--only: there is no check '%s' (see --list)", id);
+        if (c->only_count < MAX_CHECKS) c->only[c->only_count++] = check;
+    }
     return true;
 }
 
@@ -194,7 +200,7 @@ static bool take_seed(void *all, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(command, field)
 static const hs_option options[] = {
-    {"only", "ID", "only this check; repeatable\n", HS_OPTION_TAKEN, 0, 0, 0, take_only},
+    {"only", "ID[,ID]", "only these checks; repeatable\n", HS_OPTION_TAKEN, 0, 0, 0, take_only},
     {"list", NULL, "print the checks' ids, and what each of them shows\n", HS_OPTION_FLAG, AT(list), 0, 0,
      NULL},
     {"id", "ID", "which of the library's plugins [the first]\n", HS_OPTION_TEXT, AT(run.id), 0, 0, NULL},

@@ -4,6 +4,7 @@
 #include "validate/spy/library_range.h"
 
 #include <assert.h>
+#include <dlfcn.h>
 #include <errno.h>
 #include <stdatomic.h>
 #include <stddef.h>
@@ -45,7 +46,7 @@ uint32_t heap_spy_count(void) {
 uint32_t heap_spy_live(void) {
     return spy.live;
 }
-extern size_t malloc_usable_size(void *block); /* of glibc */
+extern size_t malloc_usable_size(void *block); /* of the process's allocator */
 uint64_t heap_spy_bytes(void) {
     uint64_t bytes = 0;
     for (size_t i = 0; i < PLACES; i++)
@@ -73,11 +74,43 @@ bool heap_spy_works(void) {
     return true;
 }
 
-/* glibc's own, under names that nobody replaces. */
-extern void *__libc_malloc(size_t bytes);
-extern void *__libc_calloc(size_t count, size_t bytes);
-extern void *__libc_realloc(void *block, size_t bytes);
-extern void __libc_free(void *block);
+/* The allocator of the process, glibc's or one that was loaded first (jemalloc, AddressSanitizer): it has all
+ * blocks, those of posix_memalign too, which are not counted, or frees what is not its own. */
+static struct {
+    void *(*malloc)(size_t bytes);
+    void *(*calloc)(size_t count, size_t bytes);
+    void *(*realloc)(void *block, size_t bytes);
+    void (*free)(void *block);
+} next;
+
+/* What dlsym itself asks for, before there is an allocator: given out once. */
+static _Alignas(16) unsigned char early[4096];
+static size_t early_used;
+
+static void *give_early(size_t bytes) {
+    const size_t room = (bytes + 15) / 16 * 16, at = early_used;
+    if (bytes > sizeof early || room > sizeof early - at) return NULL;
+    early_used += room;
+    return early + at;
+}
+
+static bool is_early(const void *block) {
+    return (const unsigned char *)block >= early && (const unsigned char *)block < early + sizeof early;
+}
+
+/* False while dlsym is under way: the process has one thread then. */
+static bool find_next(void) {
+    static bool searching;
+    if (next.free) return true;
+    if (searching) return false;
+    searching = true;
+    *(void **)&next.malloc = dlsym(RTLD_NEXT, "malloc");
+    *(void **)&next.calloc = dlsym(RTLD_NEXT, "calloc");
+    *(void **)&next.realloc = dlsym(RTLD_NEXT, "realloc");
+    *(void **)&next.free = dlsym(RTLD_NEXT, "free");
+    searching = false;
+    return true;
+}
 
 void *malloc(size_t bytes);
 void *calloc(size_t count, size_t bytes);
@@ -145,25 +178,34 @@ static void lose(const void *block) {
 }
 
 void *malloc(size_t bytes) {
+    if (!find_next()) return give_early(bytes);
     const spy_heap_verdict v = judge(__builtin_return_address(0));
-    return v == FAILS ? NULL : keep(v, __libc_malloc(bytes));
+    return v == FAILS ? NULL : keep(v, next.malloc(bytes));
 }
 
 void *calloc(size_t count, size_t bytes) {
+    if (!find_next()) return count && bytes > sizeof early / count ? NULL : give_early(count * bytes);
     const spy_heap_verdict v = judge(__builtin_return_address(0));
-    return v == FAILS ? NULL : keep(v, __libc_calloc(count, bytes));
+    return v == FAILS ? NULL : keep(v, next.calloc(count, bytes));
 }
 
 void *realloc(void *block, size_t bytes) {
+    if (!find_next() || is_early(block)) { /* it never was freed, and what is behind it is 0 */
+        void *moved = find_next() ? next.malloc(bytes) : give_early(bytes);
+        const size_t there = block ? (size_t)(early + sizeof early - (unsigned char *)block) : 0;
+        if (moved && block) memcpy(moved, block, bytes < there ? bytes : there);
+        return moved;
+    }
     const spy_heap_verdict v = judge(__builtin_return_address(0));
     if (v == FAILS) return NULL;
     lose(block);
-    return keep(v, __libc_realloc(block, bytes));
+    return keep(v, next.realloc(block, bytes));
 }
 
 void free(void *block) {
+    if (!block || is_early(block) || !find_next()) return;
     lose(block);
-    __libc_free(block);
+    next.free(block);
 }
 
 #endif
