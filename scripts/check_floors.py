@@ -50,7 +50,7 @@ lab/eval | abi MACHINE host_sim/loop . | libc opencl zlib
 lab/report | abi HOST tools/machine/show tools/machine/commands lab/page lab/eval . | libc opencl json zlib
 tools/machine/console | abi HOST tools/machine/show tools/machine/commands kernels . | libc opencl json web
 lab/bench | abi HOST . | libc opencl futex
-lab/judge | abi HOST shared src src/ref lab/eval . | libc opencl json
+lab/judge | abi HOST shared src src/ref tools/sdk/stage lab/eval . | libc opencl json
 tools/sdk/layer | abi tools/sdk/rules tools/sdk/record . | libc opencl
 tools/sdk/record | abi tools/sdk/rules . | libc opencl zlib
 tools/sdk/replay | abi HOST tools/machine/show tools/sdk/rules tools/sdk/record . | libc opencl
@@ -88,7 +88,7 @@ GROUPS = {
 # Where a "..." may be found from each part of the tree.
 ROOTS = {
     "include": "include", "cl": "cl", "src": "include src cl", "host_sim": "include host_sim",
-    "tools": "include tools/sdk tools/machine lab host_sim src cl", "lab": "include lab tools/machine host_sim src cl",
+    "tools": "include tools/sdk tools/machine lab host_sim src cl", "lab": "include lab tools/sdk tools/machine host_sim src cl",
     "examples": "include", "bindings": "include", "python": "include",
     "tests": "include tests tools/sdk tools/machine lab host_sim src cl",
 }

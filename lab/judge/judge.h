@@ -4,10 +4,11 @@
 #define JUDGE_H
 
 #include "eval/eval_case.h"
-#include "judge/judge_session.h"
+#include "plugin/loader.h"
 #include "ref/ref_wall.h"
 #include "render/host_cl.h"
 #include "scene/scene.h"
+#include "stage/stage.h"
 #include "wall_layout.h"
 
 #include <stddef.h>
@@ -203,8 +204,34 @@ bool site_add_random(site_list *list, char set, const char *seed_and_count, hs_e
 
 void site_free(site_list *list);
 
-/* The case as a plugin gets it. Borrows from the case. */
-surf_volume site_volume(const wall_case *c);
+/* --------------------------------------------------------------------------------------------- session -- */
+/* A plugin at work on cases in memory, known by its ABI only: one instance with its settings, active for
+ * whatever size came last. */
+
+/* Owned by the caller; must not move while open. */
+typedef struct {
+    hs_plugin plugin;
+    hs_eval_values values;
+    stage stage; /* `told` is what frames tell of probe and beams */
+    bool active;
+    double spacing_mm[3];
+    sv_scanned *scanned;
+    const float *depth; /* of the last frame, slices; all 0 if it has no surface */
+    float *confidence;  /* the same: 0 .. 1; all 0 if there is none */
+    bool sure;          /* the method gives a confidence */
+    sv_status outcome;
+} surf_session;
+
+/* Opens a library; `settings` are "key=value" texts, parted by spaces. HS_ERR_PLUGIN or HS_ERR_USAGE. */
+bool surf_session_open(surf_session *s, const char *path, const char *settings, hs_error *err);
+void surf_session_close(surf_session *s);
+bool surf_session_set(surf_session *s, const char *key, double value, hs_error *err);
+
+/* A whole frame, with its confidence. A status of "no surface" is a success. */
+bool surf_session_frame(surf_session *s, const wall_case *c, hs_error *err);
+
+/* False if the frame that was just run has no surface. */
+bool surf_session_clips(const surf_session *s);
 
 /* ----------------------------------------------------------------------------------------------- table -- */
 /* Methods of a plugin on every site, one setting for all cases. */

@@ -62,8 +62,7 @@ static const double goal = 0.5; /* slices a frame */
 /* Computes a depthmap for wall_flicker_of; `user` is an open session. */
 static bool depth_of(void *user, const wall_case *c, float *depth, hs_error *err) {
     surf_session *s = user;
-    const surf_volume v = site_volume(c);
-    if (!surf_session_frame(s, &v, err)) return false;
+    if (!surf_session_frame(s, c, err)) return false;
     memcpy(depth, s->depth, (size_t)c->nx * c->ny * sizeof *depth);
     return true;
 }

@@ -246,8 +246,7 @@ static void add_score(tally *t, const wall_case *c, const surf_session *s, const
 
 static bool judge_volume(surf_session *s, const wall_case *c, tally *t, hs_error *err) {
     wall_calibration unused = {0};
-    const surf_volume v = site_volume(c);
-    if (!surf_session_frame(s, &v, err) || !surf_session_confidence(s, NULL, err)) return false;
+    if (!surf_session_frame(s, c, err)) return false;
     const wall_score score = wall_judge(c, c->full, s->depth, s->confidence, &unused);
     add_score(t, c, s, &score);
     return true;

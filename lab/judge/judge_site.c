@@ -145,16 +145,6 @@ void site_free(site_list *list) {
     *list = (site_list){0};
 }
 
-surf_volume site_volume(const wall_case *c) {
-    return (surf_volume){.voxels = c->full,
-                         .width = c->nx,
-                         .height = c->ny,
-                         .slices = c->nz,
-                         .spacing_mm = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]},
-                         .first = c->first,
-                         .end = c->end};
-}
-
 /* ----------------------------------------------------------------------------------------------- table -- */
 
 enum { QS = 31 };
@@ -168,8 +158,7 @@ site_methods site_methods_default(const char *plugin) {
 /* One frame, judged. */
 static bool judge_case(surf_session *s, const wall_case *c, wall_calibration *calibration, wall_score *out,
                        hs_error *err) {
-    const surf_volume v = site_volume(c);
-    if (!surf_session_frame(s, &v, err) || !surf_session_confidence(s, NULL, err)) return false;
+    if (!surf_session_frame(s, c, err)) return false;
     *out = wall_judge(c, c->full, s->depth, s->confidence, calibration);
     return true;
 }
