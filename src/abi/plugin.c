@@ -83,14 +83,14 @@ static sv_status slab(sva *a, const sv_slab *slab) {
     return status == SV_OK ? sv_pipeline_slab(&in->pipeline, slab) : status;
 }
 
-static sv_status finish(sva *a, float *depth) {
+static sv_status finish(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     sv_instance *in = a->own;
     const sv_status status = sv_instance_check_process(in);
     (void)depth;
     return status == SV_OK ? sv_pipeline_end(&in->pipeline) : status;
 }
 
-static sv_status adjust(sva *a, float *depth) {
+static sv_status adjust(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     sv_instance *in = a->own;
     const sv_status status = sv_instance_check_process(in);
     (void)depth;

@@ -36,7 +36,7 @@ static sv_status find(sva *a, const sv_slab *slab) {
     return sva_cl_slab(a, slab, FIND, args, 1);
 }
 
-static sv_status place(sva *a, float *depth) {
+static sv_status place(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     const sva_cl *cl = a->own;
     const sva_cl_arg args[] = {SVA_ARG(cl->rays), SVA_ARG(cl->depth)};
     (void)depth;
