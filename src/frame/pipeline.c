@@ -4,6 +4,7 @@
 
 #include "device/queue.h"
 #include "quantise.h"
+#include "smartvis/author_checks.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -14,16 +15,15 @@ enum { SINGLE_MAX_PIXELS = 200 * 200 };
 /* Slabs wait until they hold this many voxels: about what a launch costs, so waiting longer gains nothing. */
 enum { BATCH_VOXELS = 1 << 20 };
 
-uint64_t sv_pipeline_slab_bytes(const sv_config *c, uint32_t slices) {
-    if (slices == 0) return 0;
-    const uint64_t last = slices - 1;
-    const uint64_t row = last / c->tiles_x * c->tile_h + c->height - 1;
-    const uint64_t full_row = slices > c->tiles_x ? c->tiles_x - 1 : last; /* the widest row of tiles */
-    const uint64_t end_last = row * c->row_pitch + last % c->tiles_x * c->tile_w + c->width;
-    const uint64_t row_above =
-        slices > c->tiles_x ? (last / c->tiles_x - 1) * c->tile_h + c->height - 1 : row;
-    const uint64_t end_above = row_above * c->row_pitch + full_row * c->tile_w + c->width;
-    return end_last > end_above ? end_last : end_above;
+/* Bytes of a slab texture up to its last voxel. */
+static uint64_t slab_bytes(const sv_config *c, uint32_t slices) {
+    const sv_format f = {.width = c->width,
+                         .height = c->height,
+                         .tiles_x = c->tiles_x,
+                         .tile_w = c->tile_w,
+                         .tile_h = c->tile_h,
+                         .row_pitch = c->row_pitch};
+    return sva_slab_bytes(&f, slices);
 }
 
 /* Texture rows up to the last voxel of a slab. */
@@ -82,7 +82,7 @@ static void plan(sv_pipeline *p, const sv_queue *queue, const sv_config *config,
     p->config.strategy = sv_pipeline_strategy(queue->device, config);
     sv_map_init(&p->map, &p->queue, &p->config, 1, wide_sums);
     p->pass_capacity = sv_pass_limit(config->width, config->height, 3);
-    p->slab_bytes = sv_pipeline_slab_bytes(config, config->max_slab_slices);
+    p->slab_bytes = slab_bytes(config, config->max_slab_slices);
     if (config->carrier == SV_CARRIER_IMAGE) /* images are copied in whole rows */
         p->slab_bytes = slab_rows(config, config->max_slab_slices) * config->row_pitch;
     p->batch_slots = batch_slots(config);
@@ -271,7 +271,7 @@ static sv_status place_slab(sv_pipeline *p, const sv_slab *slab, cl_mem *buffer,
     cl_event *slot = sv_timing_slot(p->queue.timing, SV_STAGE_TRANSFER);
     const cl_command_queue queue = p->queue.device->queue;
     if (c->carrier == SV_CARRIER_HOST) {
-        const size_t bytes = sv_pipeline_slab_bytes(c, slab->slice_count);
+        const size_t bytes = slab_bytes(c, slab->slice_count);
         return sva_cl_check(
             p->queue.diag,
             clEnqueueWriteBuffer(queue, *buffer, CL_FALSE, *offset, bytes, slab->memory, 0, NULL, slot),

@@ -41,9 +41,6 @@ typedef struct {
     sv_placed_slabs waiting; /* slabs that wait for a launch */
 } sv_pipeline;
 
-/* Bytes of a slab texture up to its last voxel; 64-bit, so no format can overflow it. */
-uint64_t sv_pipeline_slab_bytes(const sv_config *config, uint32_t slices);
-
 /* What a pipeline takes: buffers, and commands of a frame and of an adjust behind it. */
 typedef struct {
     uint64_t bytes, largest_buffer;
