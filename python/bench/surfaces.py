@@ -196,7 +196,8 @@ def plot(rows: list[Row], path: str) -> None:
                 axes.plot(row["surface"], row[error], mark, color=colours[row["method"]], mfc=face)
             best = front(some, error)
             for row in best:
-                axes.annotate(row["variant"], (row["surface"], row[error]), fontsize=7, ha="right", va="top")
+                place = (row["surface"], row[error])
+                axes.annotate(row["variant"], place, (5, 5), textcoords="offset points", fontsize=7)
             if best:
                 x, y = zip(*((row["surface"], row[error]) for row in best), strict=True)
                 axes.step(x, y, where="post", color="0.5", lw=1, marker=mark, mfc="none", label=f"{size}², front")
