@@ -74,7 +74,7 @@ HOST = MACHINE + " host_sim/picture host_sim/loop host_sim/result"
 GROUPS = {
     "fixed": "stdint.h stddef.h",
     "libc": "assert.h ctype.h dirent.h dlfcn.h errno.h fcntl.h fenv.h float.h getopt.h glob.h inttypes.h limits.h locale.h math.h "
-            "poll.h pthread.h sched.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h "
+            "malloc.h poll.h pthread.h sched.h setjmp.h signal.h stdalign.h stdarg.h stdatomic.h stdbool.h stddef.h stdint.h stdio.h stdlib.h "
             "string.h strings.h threads.h time.h unistd.h wchar.h sys/*",
     "opencl": "CL/*",
     "elf": "elf.h link.h",

@@ -109,7 +109,10 @@ line = part(LINE, struct.pack("<i", 0) + text("end: 16 of 16 pixels are without 
 scan_of_nothing = done(BEGIN, frame()) + done(SLAB, slab(0, 256)) + call(FINISH, result) + returned(FINISH)
 # A larger activation that did not come about, or of which nobody knows: what follows is of the small one.
 large = form(side=1000, slices=100)
-right = {"right": begun + done(SLAB, slab()) + call(FINISH, result) + line + returned(FINISH) + off}
+# The debug line of author.h for a method that keeps nothing of its own.
+own = part(LINE, struct.pack("<i", 0) + text("sva_method.own_bytes is 0: sva.own is NULL"))
+whole = start + call(ACTIVATE, form()) + own + returned(ACTIVATE) + done(BEGIN, frame())
+right = {"right": whole + done(SLAB, slab()) + call(FINISH, result) + line + returned(FINISH) + off}
 # An activation that was refused there and is taken here: want of memory at the customer's, or a lie.
 apart = {
     "refused_then_smaller": start
@@ -118,6 +121,12 @@ apart = {
     + scan(48, 32)
     + off,
     "refused_then_larger": start + done(ACTIVATE, form(), ERR_NO_MEMORY) + done(ACTIVATE, small) + scan(48, 32) + off,
+    # Slabs of the second format have bytes enough for the first, and its map is smaller.
+    "refused_then_narrow": start
+    + done(ACTIVATE, form(side=64), ERR_NO_MEMORY)
+    + done(ACTIVATE, form(side=16, tile_h=96, pitch=64))
+    + scan(16)
+    + off,
     "refused_twice": start + 2 * done(ACTIVATE, small, ERR_NO_MEMORY) + done(ACTIVATE, form()) + scan() + off,
     "refused_at_the_end": active + scan() + off + done(ACTIVATE, small, ERR_NO_MEMORY),
     "unsound_between": start
@@ -137,6 +146,14 @@ apart = {
     + done(BEGIN, frame())
     + adjusts(200)
     + done(SLAB, slab(0, 4, voxels_of(4, 4)))
+    + call(FINISH, result)
+    + returned(FINISH)
+    + off,
+    "adjusts_before_many_slabs": start
+    + done(ACTIVATE, form(side=4, slices=64, carrier=IMAGE))
+    + done(BEGIN, frame())
+    + adjusts(68)
+    + b"".join(done(SLAB, slab(z, 1, voxels_of(4, 1))) for z in range(64))
     + call(FINISH, result)
     + returned(FINISH)
     + off,
