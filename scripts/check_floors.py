@@ -26,7 +26,7 @@ include/smartvis/open.h | abi | fixed libc windows
 include/smartvis | abi | fixed
 cl/common | . |
 cl/* | cl/common . |
-src | shared . | libc
+src | abi shared . | libc
 src/ref | shared src . | libc
 src/device | abi shared kernels . | libc opencl
 src/method | abi shared kernels src src/ref src/device . | libc opencl

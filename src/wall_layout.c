@@ -7,6 +7,7 @@
 
 sv_wall_settings sv_wall_settings_default(void) {
     return (sv_wall_settings){.block_mm = 2.0,
+                              .beam_mm = 3.0,
                               .dilation_mm = 3.75,
                               .window_mm = 10.0,
                               .bright_share = 0.05,
@@ -35,6 +36,7 @@ sv_wall_settings sv_wall_settings_default(void) {
                               .median = true,
                               .half_confidence_cost = 5.5,
                               .seen_share = 0.05,
+                              .beam_seen_share = 0.1,
                               .assumed_wall = 0.6,
                               .assumed_spread = 0.5};
 }
@@ -104,8 +106,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->half_confidence_cost = (float)s->half_confidence_cost;
 }
 
-/* Finds the spacing that counts: one that is not known is assumed, and one out of range is clamped. */
-static void find_spacing(const sv_wall_layout *l, const double given[3], double mm[3]) {
+void sv_wall_spacing_of(const sv_wall_layout *l, const double given[3], double mm[3]) {
     const uint32_t side = l->width > l->height ? l->width : l->height;
     const double assumed = SV_WALL_EXTENT_MM / (side > l->slices ? side : l->slices);
     for (int axis = 0; axis < 3; axis++)
@@ -136,13 +137,37 @@ static uint32_t depth_of(const sv_wall_settings *s, double mm) {
     return depth > 1 && depth * mm > (1.0 + THICKER + HAIR) * s->block_mm ? depth - 1 : depth;
 }
 
-/* The margins are capped: the average margin so that the sums over it (margin * layers^2 / 2) stay below
- * 2^32, and both so that they and the costs have 16 bits. */
+/* Converts all lengths and numbers for rays and layers that are so far apart. The margins are capped: the
+ * average margin so that the sums over it (margin * layers^2 / 2) stay below 2^32, and both so that they and
+ * the costs have 16 bits. */
+static void take_settings(sv_wall_layout *l, const double ray_mm[2], double layer_mm,
+                          const sv_wall_settings *s) {
+    for (int axis = 0; axis < 2; axis++) {
+        l->dilation[axis] = at_most(voxels(s->dilation_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
+        l->window[axis] = at_most(voxels(s->window_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_WINDOW);
+        l->median_step[axis] = at_most(voxels(2.0 * s->sigma_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
+        l->opening[axis] = at_most(voxels(0.5 * s->opening_mm, ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
+    }
+    l->window[2] = at_most(voxels(s->window_mm, layer_mm, 0), SV_WALL_MAX_LAYERS);
+    const double blocks = 4.0 * (2 * l->window[0] + 1) * (2 * l->window[1] + 1) * (2 * l->window[2] + 1);
+    l->bright_blocks = (unsigned)fmax(rounded(s->bright_share * blocks), 1.0);
+    l->near_field = voxels(s->tau_mm, layer_mm, 0);
+    l->skin = voxels(s->skin_mm, layer_mm, 0);
+    l->full_distance = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_MAX_DISTANCE);
+    l->rate = rounded(ldexp(SV_WALL_COST_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));
+    l->reach_x = gaussian(s->sigma_mm / (2.0 * ray_mm[0]), l->kernel_x);
+    l->reach_y = gaussian(s->sigma_mm / (2.0 * ray_mm[1]), l->kernel_y);
+    take_numbers(l, s);
+    l->average_margin = at_most(l->average_margin, (uint32_t)(((uint64_t)1 << 33) / l->layers / l->layers));
+    l->average_margin = at_most(l->average_margin, SV_WALL_FINE_COST_ONE - 1);
+    l->knob_margin = at_most(l->knob_margin, SV_WALL_FINE_COST_ONE - 1);
+}
+
 sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slices, const double spacing_mm[3],
                                  const sv_wall_settings *s) {
     sv_wall_layout l = {.width = width, .height = height, .slices = slices};
     double mm[3];
-    find_spacing(&l, spacing_mm, mm);
+    sv_wall_spacing_of(&l, spacing_mm, mm);
     l.cells[0] = cells_of(s, width, mm[0]);
     l.cells[1] = cells_of(s, height, mm[1]);
     l.columns = 2 * l.cells[0];
@@ -151,26 +176,20 @@ sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slice
     l.layers = whole(slices, l.depth);
     l.smoothed = l.depth == 1;
     const double ray_mm[2] = {mm[0] * width / l.columns, mm[1] * height / l.rows};
-    const double layer_mm = mm[2] * l.depth;
-    for (int axis = 0; axis < 2; axis++) {
-        l.dilation[axis] = at_most(voxels(s->dilation_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
-        l.window[axis] = at_most(voxels(s->window_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_WINDOW);
-        l.median_step[axis] = at_most(voxels(2.0 * s->sigma_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
-        l.opening[axis] = at_most(voxels(0.5 * s->opening_mm, ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
-    }
-    l.window[2] = at_most(voxels(s->window_mm, layer_mm, 0), SV_WALL_MAX_LAYERS);
-    const double blocks = 4.0 * (2 * l.window[0] + 1) * (2 * l.window[1] + 1) * (2 * l.window[2] + 1);
-    l.bright_blocks = (unsigned)fmax(rounded(s->bright_share * blocks), 1.0);
-    l.near_field = voxels(s->tau_mm, layer_mm, 0);
-    l.skin = voxels(s->skin_mm, layer_mm, 0);
-    l.full_distance = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_MAX_DISTANCE);
-    l.rate = rounded(ldexp(SV_WALL_COST_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));
-    l.reach_x = gaussian(s->sigma_mm / (2.0 * ray_mm[0]), l.kernel_x);
-    l.reach_y = gaussian(s->sigma_mm / (2.0 * ray_mm[1]), l.kernel_y);
-    take_numbers(&l, s);
-    l.average_margin = at_most(l.average_margin, (uint32_t)(((uint64_t)1 << 33) / l.layers / l.layers));
-    l.average_margin = at_most(l.average_margin, SV_WALL_FINE_COST_ONE - 1);
-    l.knob_margin = at_most(l.knob_margin, SV_WALL_FINE_COST_ONE - 1);
+    take_settings(&l, ray_mm, mm[2] * l.depth, s);
+    return l;
+}
+
+sv_wall_layout sv_wall_layout_of_grid(uint32_t lines, uint32_t planes, uint32_t samples, double ray_mm,
+                                      double layer_mm, const sv_wall_settings *s) {
+    sv_wall_layout l = {.width = lines, .height = planes, .slices = samples};
+    l.columns = lines;
+    l.rows = planes;
+    l.layers = samples;
+    l.cells[0] = lines / 2;
+    l.cells[1] = planes / 2;
+    l.depth = 1;
+    take_settings(&l, (double[]){ray_mm, ray_mm}, layer_mm, s);
     return l;
 }
 
@@ -246,6 +265,8 @@ sv_wall_taps sv_wall_taps_of(const sv_wall_span *spans, uint32_t x, uint32_t ray
     return t;
 }
 
+#define HALF_PI 1.57079632679489661923
+
 void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]) {
     const double odds_one = 1 << SV_WALL_ODDS_BITS;
     const double step = (double)(1 << SV_WALL_LOGISTIC_BITS) / odds_one;
@@ -256,6 +277,8 @@ void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]) {
     }
     for (int i = 0; i <= SV_WALL_LOGISTIC; i++)
         tables[SV_WALL_CURVE + i] = rounded(SV_WALL_PROBABILITY_ONE / (1.0 + exp(-i * step)));
+    for (int i = 0; i <= SV_WALL_SINE_STEPS + 1; i++)
+        tables[SV_WALL_SINES + i] = rounded(ldexp(sin(i * HALF_PI / SV_WALL_SINE_STEPS), SV_WALL_SINE_BITS));
     tables[SV_WALL_CURVE + SV_WALL_LOGISTIC - 1] = tables[SV_WALL_CURVE + SV_WALL_LOGISTIC] =
         SV_WALL_PROBABILITY_ONE;
 }

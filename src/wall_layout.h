@@ -14,6 +14,7 @@
 /* Every constant of the definition: lengths in mm, ratios and ranks. An experiment may change them. */
 typedef struct {
     double block_mm;    /* side of a block */
+    double beam_mm;     /* between the rays of the grid along the beams, about its middle */
     double dilation_mm; /* a cell's brightness is the maximum over the cells so far to either side */
     /* What is bright is told within so many mm to either side, along every axis. The mean of all that is
      * bright counts as such a share of the blocks there. */
@@ -56,9 +57,9 @@ typedef struct {
     double half_confidence_cost;
     /* So many rays must show the fetus, or nothing is clipped; and so many a wall, or the next two are
      * assumed. */
-    double seen_share;
-    double assumed_wall;   /* brightness of the wall in units of the bright class' mean */
-    double assumed_spread; /* its spread, ln of the odds */
+    double seen_share, beam_seen_share; /* the latter along the beams */
+    double assumed_wall;                /* brightness of the wall in units of the bright class' mean */
+    double assumed_spread;              /* its spread, ln of the odds */
 } sv_wall_settings;
 
 /* The settings that docs/surface.md states. */
@@ -71,6 +72,13 @@ sv_wall_settings sv_wall_settings_default(void);
 /* Sides of 1 .. 8192; spacing in mm along x, y and z, all three 0 if it is not known. */
 sv_wall_layout sv_wall_layout_of(uint32_t width, uint32_t height, uint32_t slices, const double spacing_mm[3],
                                  const sv_wall_settings *settings);
+
+/* The spacing that counts: one that is not known is assumed, and one out of range is clamped. */
+void sv_wall_spacing_of(const sv_wall_layout *layout, const double given_mm[3], double mm[3]);
+
+/* The layout of a grid whose blocks lie so far apart: a ray a column and a row, a layer a slice. */
+sv_wall_layout sv_wall_layout_of_grid(uint32_t lines, uint32_t planes, uint32_t samples, double ray_mm,
+                                      double layer_mm, const sv_wall_settings *settings);
 
 /* The block around ray `ray` of `rays` along an axis of `voxels`: a ray's distance to either side, and at
  * least three quarters of a voxel. What lies beyond the border counts for the voxel at the border. An even

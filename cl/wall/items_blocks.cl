@@ -9,6 +9,9 @@
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
 #endif
+#ifndef SV_WALL_BEAMS_CLH
+#include "wall/wall_beams.clh"
+#endif
 
 /* Finds the layers at which all voxels of a ray were scanned. `ranges`: planes of the pixels' ranges. */
 static void find_range(const sv_wall_layout *l, const sv_wall_span *across, const sv_wall_span *along,
@@ -51,6 +54,69 @@ __kernel void wall_items_blocks(sv_wall_layout l, uint bounded, uint pitch,
             if (!scanned) *level = 0;
             if (scanned && counted) atomic_inc(counts + *level);
         }
+    }
+    store_counts(counts, HISTOGRAM_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
+}
+
+/* Where a sample lies along an axis of `count` blocks: in front of block low + 1 by SV_WALL_PART_ONE - part.
+ */
+typedef struct {
+    uint low, part;
+} between_blocks_t;
+
+static between_blocks_t find_blocks(int at, uint count) {
+    const uint inside = (uint)clamp(at, 0, (int)((count - 1) << SV_WALL_POSITION_BITS) - 1);
+    return (between_blocks_t){inside >> SV_WALL_POSITION_BITS,
+                              inside % (1 << SV_WALL_POSITION_BITS) * SV_WALL_PART_ONE >>
+                                  SV_WALL_POSITION_BITS};
+}
+
+/* Returns the level at sample k of a beam, linear between the eight blocks around it; 0 if the nearest was
+ * not scanned. Another one that was not counts as the nearest. `camera`: as wall_items_blocks leaves it. */
+static uint level_on_beam(const sv_wall_grid *g, __global const uchar *camera, const beam_t *b, uint k) {
+    const int at[3] = {b->from[0] + (int)k * b->step[0], b->from[1] + (int)k * b->step[1],
+                       b->from[2] + (int)k * b->step[2]};
+    if (k < b->first || !IN_BLOCKS(at[0], g->columns) || !IN_BLOCKS(at[1], g->rows) ||
+        !IN_BLOCKS(at[2], g->layers))
+        return 0;
+    const between_blocks_t x = find_blocks(at[0], g->columns), y = find_blocks(at[1], g->rows);
+    const between_blocks_t z = find_blocks(at[2], g->layers);
+    const size_t layer = camera_layer_pitch(g), row = camera_row_pitch(g);
+    const uint up = SV_WALL_PART_ONE / 2;
+    camera += MARGIN + y.low * row + z.low * layer + x.low;
+    const uint nearest = camera[(y.part >= up) * row + (z.part >= up) * layer + (x.part >= up)];
+    uint sum = 0;
+    for (uint i = 0; i < 8; i++) {
+        const uint level = camera[(i >> 1 & 1) * row + (i >> 2) * layer + (i & 1)];
+        sum += (i & 1 ? x.part : SV_WALL_PART_ONE - x.part) * (i & 2 ? y.part : SV_WALL_PART_ONE - y.part) *
+               (i & 4 ? z.part : SV_WALL_PART_ONE - z.part) * (level ? level : nearest);
+    }
+    return nearest ? (sum + SV_WALL_PARTS / 2) / SV_WALL_PARTS : 0;
+}
+
+/* One work group per row of cells of a grid along the beams: the levels at its samples. A beam was scanned
+ * from its first sample that is not black to its last. Everything else as wall_items_blocks. */
+__kernel void wall_items_gather(sv_wall_layout l, sv_wall_grid g, __global const uint *restrict tables,
+                                __global const uchar *restrict camera, __global uchar *restrict levels,
+                                __global ushort *restrict rays, __global uint *restrict histograms) {
+    __local uint counts[HISTOGRAM_WORDS];
+    const size_t pitch = level_pitch_of(&l);
+    clear_counts(counts);
+    for (uint i = (uint)get_local_id(0); i < 2 * l.columns; i += (uint)get_local_size(0)) {
+        const ray_place_t at = ray_of_group(&l, i);
+        const beam_t beam = beam_of(&g, tables, at.x, at.row);
+        __global uchar *to = levels + level_row(&l, 0, at.row) + at.x;
+        uint first = 0, end = 0;
+        for (uint k = 0; k < l.layers; k++) {
+            const uint level = level_on_beam(&g, camera, &beam, k);
+            to[k * pitch] = (uchar)level;
+            if (level > 0 && end == 0) first = k;
+            if (level > 0) end = k + 1;
+        }
+        rays[block_row(&l, RAY_FIRST, at.row) + at.x] = (ushort)first;
+        rays[block_row(&l, RAY_END, at.row) + at.x] = (ushort)end;
+        if (end > 0) atomic_inc(counts + HISTOGRAM_RAYS);
+        for (uint k = first; is_counted(&l, at) && k < end; k++) atomic_inc(counts + to[k * pitch]);
     }
     store_counts(counts, HISTOGRAM_RAYS, histograms + get_group_id(0) * HISTOGRAM_WORDS);
 }

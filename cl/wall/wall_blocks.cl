@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Blocks: which of them were scanned, their histogram, and their dilation along x.
+ * Blocks of a camera or along the beams: which of them were scanned, their histogram, and their dilation
+ * along x.
  */
 #ifndef SV_WALL_LANES_CLH
 #include "wall/wall_lanes.clh"
+#endif
+#ifndef SV_WALL_BEAMS_CLH
+#include "wall/wall_beams.clh"
 #endif
 #ifndef SV_WALL_HISTOGRAM_CLH
 #include "wall/wall_histogram.clh"
@@ -151,17 +155,37 @@ static void mask_row(const sv_wall_layout *l, __global ushort *rays, uint z, uin
     }
 }
 
-/* One work item per row of cells. Levels of blocks that were not scanned become 0, but for layers in front of
- * those of the row and behind them, at which nothing looks. `bounded`: the pixels have ranges. `row_maxima`:
- * the means' dilation along x. `scratch`: scratch_words words of 32 bits for each row. If wall_smooth
- * follows, that kernel counts the levels. */
+/* Masks and counts the levels of a row of cells, whose ranges are known, and dilates their means along x.
+ * `lines`: room for three lines of cells, between margins. */
+static void finish_row(const sv_wall_layout *l, uint row, __global ushort *rays, __global uchar *levels,
+                       __global uchar *lines, __global uchar *row_maxima, uint histogram[4][256]) {
+    /* three lines alternate, for a vector that was just stored is slow to load in parts */
+    const uint line_pitch = padded_cells_of(l) + 2 * MARGIN;
+    clear_bytes(lines, 3 * line_pitch);
+    lines += MARGIN;
+    const extent_t scanned = extent_of_row(l, rays, row);
+    /* A level counts with that behind it, so the layer in front of the scan has maxima, too. */
+    const extent_t bright = {scanned.from - min(scanned.from, 1u), scanned.to};
+    const uint masked_to = min(bright.to + 1, l->layers);
+    clear_others(l, bright, row_maxima + cell_row(l, 0, row), padded_cells_of(l));
+    for (uint z = bright.from; z < bright.to + 2; z++) {
+        for (uint r = 0; z < masked_to && r < 2; r++) mask_row(l, rays, z, 2 * row + r, levels, histogram);
+        if (z > bright.from + 1)
+            dilate_line(l, lines + (z - 2) % 3 * line_pitch, row_maxima + cell_row(l, z - 2, row));
+        if (z > bright.from && z <= bright.to)
+            maximum_of_cells(l, levels, z - 1, row, lines + (z - 1) % 3 * line_pitch);
+    }
+}
+
+/* One work item per row of cells. Levels of blocks that were not scanned become 0; where pixels have no
+ * ranges, all were. `bounded`: the pixels have ranges. `row_maxima`: the means' dilation along x. `scratch`:
+ * scratch_words words of 32 bits for each row. If wall_smooth follows, that kernel counts the levels. */
 __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scratch_words,
                           __global const sv_wall_span *restrict spans, __global const ushort *restrict ranges,
                           __global uchar *restrict levels, __global ushort *restrict rays,
                           __global uint *restrict scratch, __global uchar *restrict row_maxima,
                           __global uint *restrict histograms) {
-    const uint row = (uint)get_global_id(0), line_pitch = padded_cells_of(&l) + 2 * MARGIN;
-    /* three lines alternate, for a vector that was just stored is slow to load in parts */
+    const uint row = (uint)get_global_id(0);
     __global uchar *lines = (__global uchar *)(scratch + (size_t)row * scratch_words);
     __global ushort *const pixels[2] = {(__global ushort *)lines + MARGIN,
                                         (__global ushort *)lines + pitch + 3 * MARGIN};
@@ -170,19 +194,122 @@ __kernel void wall_blocks(sv_wall_layout l, uint bounded, uint pitch, uint scrat
     histograms += (size_t)row * HISTOGRAM_WORDS;
     histograms[HISTOGRAM_RAYS] = find_ranges(&l, 2 * row, bounded, pitch, spans, ranges, pixels, rays) +
                                  find_ranges(&l, 2 * row + 1, bounded, pitch, spans, ranges, pixels, rays);
-    clear_bytes(lines, 3 * line_pitch);
-    lines += MARGIN;
-    const extent_t scanned = extent_of_row(&l, rays, row);
-    /* A level counts with that behind it, so the layer in front of the scan has maxima, too. */
-    const extent_t bright = {scanned.from - min(scanned.from, 1u), scanned.to};
-    const uint masked_to = min(bright.to + 1, l.layers);
-    clear_others(&l, bright, row_maxima + cell_row(&l, 0, row), padded_cells_of(&l));
-    for (uint z = bright.from; z < bright.to + 2; z++) {
-        for (uint r = 0; z < masked_to && r < 2; r++) mask_row(&l, rays, z, 2 * row + r, levels, histogram);
-        if (z > bright.from + 1)
-            dilate_line(&l, lines + (z - 2) % 3 * line_pitch, row_maxima + cell_row(&l, z - 2, row));
-        if (z > bright.from && z <= bright.to)
-            maximum_of_cells(&l, levels, z - 1, row, lines + (z - 1) % 3 * line_pitch);
-    }
+    for (uint r = 2 * row; bounded && r < 2 * row + 2; r++)
+        clear_others(&l, extent_of_row(&l, rays, row), levels + level_row(&l, 0, r), level_pitch_of(&l));
+    finish_row(&l, row, rays, levels, lines, row_maxima, histogram);
     if (!l.smoothed) store_counts(histogram, histograms);
+}
+
+/* 16 neighbouring beams of a plane, as in beam_t. */
+typedef struct {
+    int16 from[3], step[3];
+    uint16 first;
+} beams16_t;
+
+/* Those from column `line` on; what is no line has no sample. */
+static void find_beams(const sv_wall_grid *g, __global const uint *tables, uint line, uint plane,
+                       beams16_t *out) {
+    ROLLED_LOADS
+    for (uint i = 0; i < SV_LANES; i++) {
+        const beam_t b = beam_of(g, tables, min(line + i, g->lines - 1), plane);
+        for (uint a = 0; a < 3; a++) {
+            ((int *)&out->from[a])[i] = b.from[a];
+            ((int *)&out->step[a])[i] = b.step[a];
+        }
+        ((uint *)&out->first)[i] = line + i < g->lines ? b.first : g->samples;
+    }
+}
+
+typedef struct __attribute__((packed)) {
+    ushort v;
+} ushort_unaligned;
+
+/* Loads neighbouring blocks at 16 places: the one behind is the higher byte. */
+static uint16 load_pairs(__global const uchar *camera, uint16 places) {
+    uint16 pairs;
+    TABLE_LOADS
+    for (uint i = 0; i < SV_LANES; i++)
+        ((uint *)&pairs)[i] = ((__global const ushort_unaligned *)(camera + ((const uint *)&places)[i]))->v;
+    return pairs;
+}
+
+/* Interpolates between such neighbours; a block that was not scanned counts as the nearest one. */
+static uint16 between_pair(uint16 pairs, uint16 part, uint16 nearest) {
+    const uint16 low = pairs & 255u, high = pairs >> 8u;
+    return ((uint)SV_WALL_PART_ONE - part) * select(low, nearest, low == 0u) +
+           part * select(high, nearest, high == 0u);
+}
+
+/* Returns the levels at sample k of 16 beams, linear between the eight blocks around each; 0 where the
+ * nearest was not scanned. Another one that was not counts as the nearest. `camera`: as wall_blocks leaves
+ * it. */
+static uint16 levels_on_beams(const sv_wall_grid *g, __global const uchar *camera, const beams16_t *b,
+                              uint k) {
+    const uint sides[3] = {g->columns, g->rows, g->layers}, one = SV_WALL_PART_ONE;
+    const uint row = (uint)camera_row_pitch(g), layer = (uint)camera_layer_pitch(g);
+    int16 inside = b->first <= (uint16)(k);
+    uint16 low[3], part[3];
+    for (uint a = 0; a < 3; a++) {
+        const int16 at = b->from[a] + (int)k * b->step[a];
+        inside &= (IN_BLOCKS(at, sides[a]));
+        const uint16 clamped = as_uint16(clamp(at, 0, (int)((sides[a] - 1) << SV_WALL_POSITION_BITS) - 1));
+        low[a] = clamped >> (uint)SV_WALL_POSITION_BITS;
+        part[a] = (clamped & (uint)((1 << SV_WALL_POSITION_BITS) - 1)) * one >> (uint)SV_WALL_POSITION_BITS;
+    }
+    if (!any(inside)) return (uint16)(0);
+    const uint16 at = MARGIN + low[1] * row + low[2] * layer + low[0];
+    const uint16 here = load_pairs(camera, at), below = load_pairs(camera, at + row);
+    const uint16 behind = load_pairs(camera, at + layer), both = load_pairs(camera, at + row + layer);
+    const int16 up_y = part[1] >= one / 2, up_z = part[2] >= one / 2;
+    const uint16 pair = select(select(here, below, up_y), select(behind, both, up_y), up_z);
+    const uint16 nearest = select(pair & 255u, pair >> 8u, part[0] >= one / 2);
+    const uint16 near = (one - part[1]) * between_pair(here, part[0], nearest) +
+                        part[1] * between_pair(below, part[0], nearest);
+    const uint16 far = (one - part[1]) * between_pair(behind, part[0], nearest) +
+                       part[1] * between_pair(both, part[0], nearest);
+    const uint16 sum = (one - part[2]) * near + part[2] * far;
+    return select((uint16)(0), (sum + SV_WALL_PARTS / 2) / SV_WALL_PARTS, inside & (nearest > 0u));
+}
+
+/* Gathers a plane of beams. A beam was scanned from its first sample that is not black to its last. Returns
+ * how many were. */
+static uint gather_plane(const sv_wall_layout *l, const sv_wall_grid *g, __global const uint *tables,
+                         __global const uchar *camera, uint plane, __global uchar *levels,
+                         __global ushort *rays) {
+    uint count = 0;
+    for (uint line = 0; line < padded_columns_of(l); line += SV_LANES) {
+        ushort16 first = (ushort16)(0), end = (ushort16)(0);
+        beams16_t beams;
+        if (line < l->columns) find_beams(g, tables, line, plane, &beams);
+        for (uint k = 0; line < l->columns && k < l->layers; k++) {
+            const ushort16 found = convert_ushort16(levels_on_beams(g, camera, &beams, k));
+            *(__global uchar16 *)(levels + level_row(l, k, plane) + line) = convert_uchar16(found);
+            const short16 scanned = found > (ushort)0;
+            first = select(first, (ushort16)((ushort)k), scanned & (end == (ushort)0));
+            end = select(end, (ushort16)((ushort)(k + 1)), scanned);
+        }
+        *(__global ushort16 *)(rays + block_row(l, RAY_FIRST, plane) + line) = first;
+        *(__global ushort16 *)(rays + block_row(l, RAY_END, plane) + line) = end;
+        for (uint i = 0; i < SV_LANES; i++) count += ((const ushort *)&end)[i] > 0;
+    }
+    return count;
+}
+
+/* One work item per row of cells of a grid along the beams: the levels at its samples, from those of a
+ * camera. Everything else as wall_blocks. */
+__kernel void wall_gather(sv_wall_layout l, sv_wall_grid g, uint scratch_words,
+                          __global const uint *restrict tables, __global const uchar *restrict camera,
+                          __global uchar *restrict levels, __global ushort *restrict rays,
+                          __global uint *restrict scratch, __global uchar *restrict row_maxima,
+                          __global uint *restrict histograms) {
+    const uint row = (uint)get_global_id(0);
+    uint histogram[4][256], count = 0;
+    clear_counts(histogram);
+    for (uint plane = 2 * row; plane < 2 * row + 2; plane++)
+        count += gather_plane(&l, &g, tables, camera, plane, levels, rays);
+    finish_row(&l, row, rays, levels, (__global uchar *)(scratch + (size_t)row * scratch_words), row_maxima,
+               histogram);
+    histograms += (size_t)row * HISTOGRAM_WORDS;
+    store_counts(histogram, histograms);
+    histograms[HISTOGRAM_RAYS] = count;
 }

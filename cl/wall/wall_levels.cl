@@ -198,11 +198,24 @@ static uint limit_after(const sv_wall_layout *l, uint limit, bool above, bool be
     return above ? lower : below ? limit + l->hysteresis : limit;
 }
 
+/* Takes what the beams say of the volume: without a surface along them there is none. */
+static void take_answer(__global const uint *told, __global uint *info) {
+    const uint answer = told[SV_WALL_INFO_LAST];
+    info[SV_WALL_INFO_FOUND] = told[SV_WALL_INFO_FOUND];
+    info[SV_WALL_INFO_WANTED] = told[SV_WALL_INFO_WANTED];
+    if (answer != SV_WALL_DOUBTFUL) info[SV_WALL_INFO_OUTCOME] = answer;
+}
+
 /* Launched as one work item: decides whether the frame shows the fetus. `fetus`: for each row of cells, the
- * sum over its rays of the probability that the fetus is on them. They are so few that they need no group. */
+ * sum over its rays of the probability that the fetus is on them. They are so few that they need no group.
+ * `told`: what is known along the beams, if layout.told. */
 __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
-                          __global uint *restrict info) {
+                          __global const uint *restrict told, __global uint *restrict info) {
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    if (l.told) {
+        take_answer(told, info);
+        return;
+    }
     ulong sum = 0;
     for (uint y = 0; y < l.cells[1]; y++) sum += fetus[y];
     const ulong whole = (ulong)info[SV_WALL_INFO_RAYS] * SV_WALL_PROBABILITY_ONE;
@@ -227,18 +240,24 @@ static uint verdict_of(const sv_wall_layout *l, ulong dark, ulong in_gaps, __glo
     return share < dark * limit ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 
+/* Sums what wall_gaps has counted, and returns what it tells. */
+static uint ask_gaps(const sv_wall_layout *l, __global const ulong *gaps, __global uint *info) {
+    ulong dark = 0, in_gaps = 0;
+    for (uint y = 0; y < l->cells[1]; y++) {
+        dark += gaps[2 * y];
+        in_gaps += gaps[2 * y + 1];
+    }
+    return verdict_of(l, dark, in_gaps, info);
+}
+
 /* Launched as one work item: decides whether the frame clips at its surface. `gaps`: for each row of cells,
- * the dark blocks of its rays, and those of them in gaps. */
+ * the dark blocks of its rays, and those of them in gaps; they are not read if layout.told. */
 __kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps,
-                           __global uint *restrict info, __global uint *restrict record) {
+                           __global const uint *restrict told, __global uint *restrict info,
+                           __global uint *restrict record) {
     uint verdict = info[SV_WALL_INFO_OUTCOME];
     if (verdict == SV_WALL_SURFACE) {
-        ulong dark = 0, in_gaps = 0;
-        for (uint y = 0; y < l.cells[1]; y++) {
-            dark += gaps[2 * y];
-            in_gaps += gaps[2 * y + 1];
-        }
-        verdict = verdict_of(&l, dark, in_gaps, info);
+        verdict = l.told ? told[SV_WALL_INFO_LAST] : ask_gaps(&l, gaps, info);
         info[SV_WALL_INFO_DOUBTFUL] = verdict == SV_WALL_DOUBTFUL;
         info[SV_WALL_INFO_OUTCOME] =
             info[SV_WALL_INFO_DOUBTFUL] && l.clip_doubtful ? SV_WALL_SURFACE : verdict;

@@ -50,7 +50,17 @@
 #define SV_WALL_ROOTS       0   /* square roots of the grey levels */
 #define SV_WALL_ODDS        256 /* ln of the odds, signed; 257 entries, so that each level has a next one */
 #define SV_WALL_CURVE       513 /* the logistic function and one entry more */
-#define SV_WALL_TABLE_WORDS 707
+#define SV_WALL_SINES       707 /* sines from 0 to a right angle, SV_WALL_SINE_BITS, and one entry more */
+#define SV_WALL_TABLE_WORDS (707 + SV_WALL_SINE_STEPS + 2)
+
+/* ---- along the beams: fixed-point */
+#define SV_WALL_SINE_STEPS    256
+#define SV_WALL_SINE_BITS     30
+#define SV_WALL_ANGLE_BITS    24 /* a right angle */
+#define SV_WALL_MM_BITS       8  /* fractions of a millimetre, */
+#define SV_WALL_POSITION_BITS 16 /* of a position in the camera's blocks, */
+#define SV_WALL_PART_ONE      16 /* of a block, where a level lies between two */
+#define SV_WALL_VECTOR_BITS   24 /* and of blocks a millimetre */
 
 /* Words of what is known of the frame. */
 #define SV_WALL_INFO_OUTCOME   0
@@ -135,10 +145,28 @@ typedef struct {
     int assumed_spread;               /* and this one, too */
     unsigned int median;              /* 1: take the median of a ray and its eight neighbours */
     float q;                          /* the knob */
+    unsigned int told;                /* 1: the beams say whether there is a surface */
     unsigned int clip_doubtful;       /* 1: a doubtful surface clips, too, and is */
     float doubtful_confidence;        /* so sure where another has 1 */
     float half_confidence_cost;       /* cost of the surface at which the confidence is one half; for that, */
                                       /* a layer as bright as the threshold costs 1 more */
 } sv_wall_layout;
+
+/*
+ * A grid along the beams: its rays are lines i of planes j, its layers samples k, and all lie in the blocks
+ * of a camera. Along axis a of these (columns, rows, layers, counted from the middle of block 0) sample k of
+ * a line at angle th in a plane at angle ph lies at axis[a] + h (y[a] sin ph + z[a] cos ph) + r x[a] sin th,
+ * h = r cos th - sweep, r = first + k * step. So it is the torus of smartvis_plugin.h. Lines are `line_angle`
+ * apart, planes `plane_angle`, and the middle of the grid is at 0. It has 32-bit members only, like the
+ * layout.
+ */
+typedef struct {
+    unsigned int columns, rows, layers; /* of the camera's blocks */
+    unsigned int lines, planes, samples;
+    int line_angle, plane_angle; /* of SV_WALL_ANGLE_BITS to a right angle */
+    int first, step, sweep;      /* SV_WALL_MM_BITS */
+    int axis[3];                 /* the sweep's axis, SV_WALL_POSITION_BITS */
+    int x[3], y[3], z[3];        /* the probe's axes, blocks a millimetre, SV_WALL_VECTOR_BITS */
+} sv_wall_grid;
 
 #endif

@@ -178,7 +178,7 @@ sv_status sv_pipeline_warm_up(sv_pipeline *p, const sv_values *values) {
     sv_values all = *values;
     all.of[SV_PARAM_UNSURE] = SV_UNSURE_CLIP; /* a later frame may launch what others leave out */
     all.of[SV_PARAM_Q] = 0.0;
-    const sv_frame_context context = {0};
+    const sv_frame_context context = {.beams = {.rotation = {[0] = 1.0f, [4] = 1.0f, [8] = 1.0f}}};
     sv_pipeline_begin(p, &all, &context);
     const sv_method *m = p->chain.method;
     if (!m->slabs)
@@ -221,6 +221,8 @@ void sv_pipeline_begin(sv_pipeline *p, const sv_values *values, const sv_frame_c
     sv_chain_begin(&p->chain);
     p->level_n = sv_grey_level(values->of[SV_PARAM_FLUID_THRESHOLD], p->config.substeps);
     p->context = *context;
+    p->context.beams.same_volume = context->beams.same_volume && p->ended;
+    p->ended = false;
     p->q = (float)values->of[SV_PARAM_Q];
     p->next_slice = 0;
     p->waiting = (sv_placed_slabs){0};

@@ -35,6 +35,7 @@ typedef struct {
 
     /* the frame under way, or the last one */
     sv_frame_context context;
+    bool ended;       /* else its volume was never seen, and none is the same */
     float q;          /* also of the last adjust */
     uint32_t level_n; /* T_L in 1 / substeps grey level */
     uint32_t next_slice;

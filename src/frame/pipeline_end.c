@@ -56,6 +56,7 @@ static sv_status points_by_rays(sv_pipeline *p) {
 sv_status sv_pipeline_end(sv_pipeline *p) {
     sv_chain *chain = &p->chain;
     const sv_buffers *b = &p->buffers;
+    p->ended = true;
     if (chain->method->slabs) return chain->method->find(&p->map, &chain->state, &p->context);
     if (chain->direct && chain->method->single && p->config.strategy == SV_STRATEGY_SINGLE) {
         const sv_ray_states rays = {b->state8, b->state16, b->histogram};

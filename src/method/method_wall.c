@@ -24,12 +24,8 @@ static const sv_wall_work *work_of(const sv_map *m) {
 
 _Static_assert((int)SV_WALL_EXTENT_MM == (int)SV_ASSUMED_EXTENT_MM, "an unknown spacing is assumed alike");
 
-/* The default settings in voxels, blocks and layers of a map. */
-static sv_wall_layout layout_of(const sv_map *m) {
-    const float *mm = m->config->spacing;
-    const double spacing_mm[3] = {(double)mm[0], (double)mm[1], (double)mm[2]};
-    const sv_wall_settings settings = sv_wall_settings_default();
-    return sv_wall_layout_of(m->width, m->height, m->config->slices, spacing_mm, &settings);
+static void spacing_of(const sv_map *m, double mm[3]) {
+    for (int axis = 0; axis < 3; axis++) mm[axis] = (double)m->config->spacing[axis];
 }
 
 /* Vectors of SV_WALL_TOGETHER rays in a row. */
@@ -62,38 +58,56 @@ static size_t sum_bytes(const sv_map *m, const sv_wall_layout *l) {
                : (sv_wall_lanes_of(l->width) + (size_t)2 * SV_WALL_LANES) * 2 * l->rows * sizeof(cl_ushort);
 }
 
+/* The default settings in voxels, blocks and layers of a map, and in those of the beams. */
+static sv_wall_own own_of(const sv_map *m) {
+    const sv_wall_settings settings = sv_wall_settings_default();
+    double mm[3];
+    spacing_of(m, mm);
+    sv_wall_own own = {.beams = sv_wall_grid_layout(&settings)};
+    own.camera = sv_wall_layout_of(m->width, m->height, m->config->slices, mm, &settings);
+    own.camera_words = (uint32_t)scratch_words(m, &own.camera);
+    own.beam_words = (uint32_t)scratch_words(m, &own.beams);
+    return own;
+}
+
+/* Finds the bytes of the buffers that every grid has: a camera's, or the one along the beams. */
+static void find_bytes(const sv_map *m, const sv_wall_layout *l, size_t bytes[SV_WALL_BUFFERS]) {
+    const size_t plane = padded_columns(l) * l->rows, margin = SV_WALL_MAX_NEIGHBOUR;
+    const size_t cells = sv_wall_lanes_of(l->cells[0]) * l->cells[1] * l->layers;
+    const size_t fine = margin + (sv_wall_lanes_of(l->cells[0]) + margin) * l->cells[1] * l->layers;
+    const size_t level_row = padded_columns(l) + margin;
+    for (int i = 0; i < SV_WALL_BUFFERS; i++) bytes[i] = 1;
+    /* zeros lie behind the last layer of each row */
+    bytes[SV_WALL_LEVELS] = bytes[SV_WALL_RELATIVE] = margin + level_row * l->rows * (l->layers + 1);
+    bytes[SV_WALL_WINDOWS] = cells * sizeof(cl_uint);
+    bytes[SV_WALL_FRONTS] = l->cells[1] * sizeof(cl_uint);
+    bytes[SV_WALL_ROW_MAXIMA] = bytes[SV_WALL_BRIGHT] = cells;
+    bytes[SV_WALL_KINDS] = sv_wall_kinds_bytes(l);
+    bytes[SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort);
+    bytes[SV_WALL_HISTOGRAMS] = (size_t)l->cells[1] * HISTOGRAM_WORDS * sizeof(cl_uint);
+    bytes[SV_WALL_INFO] = SV_WALL_INFO_WORDS * sizeof(cl_uint);
+    bytes[SV_WALL_SCRATCH] = l->rows * scratch_words(m, l) * sizeof(cl_uint);
+    bytes[SV_WALL_COSTS] = cells * sizeof(cl_ushort);
+    bytes[SV_WALL_FINE] = fine * sizeof(cl_ushort);
+    bytes[SV_WALL_PLACES] = PLACE_PLANES * plane * sizeof(cl_float);
+}
+
 static sv_status buffers(const sv_map *m, sv_method_state *s) {
-    const sv_wall_layout l = layout_of(m);
-    *sv_wall_layout_in(s) = l;
-    const size_t pixels = (size_t)m->padded_width * m->height, plane = padded_columns(&l) * l.rows;
-    const size_t cells = sv_wall_lanes_of(l.cells[0]) * l.cells[1] * l.layers;
-    const size_t fine = SV_WALL_MAX_NEIGHBOUR +
-                        (sv_wall_lanes_of(l.cells[0]) + SV_WALL_MAX_NEIGHBOUR) * l.cells[1] * l.layers;
-    const size_t margin = SV_WALL_MAX_NEIGHBOUR, level_row = padded_columns(&l) + margin;
-    const size_t levels =
-        margin + level_row * l.rows * (l.layers + 1); /* zeros lie behind the last layer of each row */
-    const size_t bytes[SV_WALL_BUFFERS] = {
-        [SV_WALL_SPANS] = (l.columns + l.rows) * sizeof(sv_wall_span) + vectors_of(&l) * sizeof(sv_wall_taps),
-        [SV_WALL_SUMS] = sum_bytes(m, &l),
-        [SV_WALL_RANGES] = sv_wall_is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1,
-        [SV_WALL_LEVELS] = levels,
-        [SV_WALL_SMOOTHED] = l.smoothed ? levels : 1,
-        [SV_WALL_RELATIVE] = levels,
-        [SV_WALL_WINDOWS] = cells * sizeof(cl_uint),
-        [SV_WALL_FRONTS] = l.cells[1] * sizeof(cl_uint),
-        [SV_WALL_ROW_MAXIMA] = cells,
-        [SV_WALL_BRIGHT] = cells,
-        [SV_WALL_KINDS] = sv_wall_kinds_bytes(&l),
-        [SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort),
-        [SV_WALL_HISTOGRAMS] = (size_t)l.cells[1] * HISTOGRAM_WORDS * sizeof(cl_uint),
-        [SV_WALL_TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint),
-        [SV_WALL_INFO] = SV_WALL_INFO_WORDS * sizeof(cl_uint),
-        [SV_WALL_SCRATCH] = l.rows * scratch_words(m, &l) * sizeof(cl_uint),
-        [SV_WALL_COSTS] = cells * sizeof(cl_ushort),
-        [SV_WALL_FINE] = fine * sizeof(cl_ushort),
-        [SV_WALL_PLACES] = PLACE_PLANES * plane * sizeof(cl_float),
-        [SV_WALL_CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float)};
-    return sv_buffers_make(m->queue, bytes, SV_WALL_BUFFERS, s->buffer);
+    sv_wall_own *const own = sv_wall_own_of(s);
+    const size_t pixels = (size_t)m->padded_width * m->height;
+    size_t bytes[SV_WALL_ALL_BUFFERS];
+    *own = own_of(m);
+    const sv_wall_layout *l = &own->camera;
+    find_bytes(m, l, bytes);
+    bytes[SV_WALL_SPANS] =
+        (l->columns + l->rows) * sizeof(sv_wall_span) + vectors_of(l) * sizeof(sv_wall_taps);
+    bytes[SV_WALL_SUMS] = sum_bytes(m, l);
+    bytes[SV_WALL_RANGES] = sv_wall_is_bounded(m->config) ? 2 * pixels * sizeof(cl_ushort) : 1;
+    bytes[SV_WALL_SMOOTHED] = l->smoothed ? bytes[SV_WALL_LEVELS] : 1;
+    bytes[SV_WALL_TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint);
+    bytes[SV_WALL_CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float);
+    find_bytes(m, &own->beams, bytes + SV_WALL_BEAMS);
+    return sv_buffers_make(m->queue, bytes, SV_WALL_ALL_BUFFERS, s->buffer);
 }
 
 static sv_status write_buffer(const sv_map *m, cl_mem buffer, const void *data, size_t bytes) {
@@ -103,7 +117,7 @@ static sv_status write_buffer(const sv_map *m, cl_mem buffer, const void *data, 
 }
 
 static sv_status prepare(const sv_map *m, sv_method_state *s) {
-    const sv_wall_layout l = *sv_wall_layout_in(s);
+    const sv_wall_layout l = sv_wall_own_of(s)->camera;
     uint32_t tables[SV_WALL_TABLE_WORDS];
     const size_t count = (size_t)l.columns + l.rows;
     const size_t bytes = count * sizeof(sv_wall_span) + vectors_of(&l) * sizeof(sv_wall_taps);
@@ -120,6 +134,7 @@ static sv_status prepare(const sv_map *m, sv_method_state *s) {
     sv_status status = write_buffer(m, s->buffer[SV_WALL_TABLES], tables, sizeof tables);
     if (status == SV_OK) status = write_buffer(m, s->buffer[SV_WALL_SPANS], spans, bytes);
     if (status == SV_OK) status = write_buffer(m, s->buffer[SV_WALL_INFO], nothing, sizeof nothing);
+    if (status == SV_OK) status = write_buffer(m, s->buffer[SV_WALL_TOLD], nothing, sizeof nothing);
     free(spans);
     return status;
 }
@@ -128,19 +143,38 @@ static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slab
     return work_of(m)->slabs(m, s, from);
 }
 
+/* Asks the beams whether there is a surface. */
+static sv_status ask_beams(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid, bool continues) {
+    const sv_wall_work *work = work_of(m);
+    sv_wall_own *const own = sv_wall_own_of(s);
+    own->beams.last = continues && own->camera.told ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
+    const sv_status status = work->gather(m, s, grid);
+    return status == SV_OK ? sv_wall_launch_all(m, s, work, work->gathered, work->verdict + 1, true, NULL)
+                           : status;
+}
+
 static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_context *frame) {
-    sv_wall_layout *l = sv_wall_layout_in(s);
-    l->last = frame->continues ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
-    l->clip_doubtful = (uint32_t)m->values.of[SV_PARAM_UNSURE] == SV_UNSURE_CLIP;
-    return sv_wall_launch_all(m, s, work_of(m), 0, work_of(m)->first_at_q, (uint32_t)scratch_words(m, l),
-                              NULL);
+    const sv_wall_work *work = work_of(m);
+    const sv_wall_settings settings = sv_wall_settings_default();
+    sv_wall_own *const own = sv_wall_own_of(s);
+    sv_wall_grid grid;
+    double mm[3];
+    spacing_of(m, mm);
+    own->camera.last = frame->continues ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
+    own->camera.clip_doubtful = (uint32_t)m->values.of[SV_PARAM_UNSURE] == SV_UNSURE_CLIP;
+    const bool told = sv_wall_grid_of(&own->camera, mm, &frame->beams, &settings, &grid);
+    sv_status status = sv_wall_launch_all(m, s, work, 0, work->gathered, false, NULL);
+    if (status == SV_OK && told && !(own->holds && frame->beams.same_volume))
+        status = ask_beams(m, s, &grid, frame->continues);
+    if (status != SV_OK) return status;
+    own->camera.told = told;
+    own->holds = told;
+    return sv_wall_launch_all(m, s, work, work->gathered, work->first_at_q, false, NULL);
 }
 
 static sv_status place(const sv_map *m, sv_method_state *s, float q, const sv_depth_target *to) {
-    sv_wall_layout *l = sv_wall_layout_in(s);
-    l->q = q;
-    return sv_wall_launch_all(m, s, work_of(m), work_of(m)->first_at_q, work_of(m)->count,
-                              (uint32_t)scratch_words(m, l), to);
+    sv_wall_own_of(s)->camera.q = q;
+    return sv_wall_launch_all(m, s, work_of(m), work_of(m)->first_at_q, work_of(m)->count, false, to);
 }
 
 static cl_mem confidence(const sv_method_state *s) {

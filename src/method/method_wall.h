@@ -9,6 +9,7 @@
 
 #include "method/method.h"
 #include "wall/wall_shared.h"
+#include "wall_grid.h"
 
 /* The method's buffers. */
 enum {
@@ -32,8 +33,14 @@ enum {
     SV_WALL_FINE, /* costs after the Gaussian */
     SV_WALL_PLACES,
     SV_WALL_CONFIDENCE,
-    SV_WALL_BUFFERS
+    SV_WALL_BUFFERS,
+    /* the same of a grid along the beams, from here on; SPANS, SUMS, RANGES, SMOOTHED, TABLES and CONFIDENCE
+     * have no bytes there */
+    SV_WALL_BEAMS = SV_WALL_BUFFERS,
+    SV_WALL_TOLD = SV_WALL_BEAMS + SV_WALL_INFO, /* what the beams say */
+    SV_WALL_ALL_BUFFERS = 2 * SV_WALL_BUFFERS
 };
+_Static_assert(SV_WALL_ALL_BUFFERS <= SV_MAX_METHOD_BUFFERS, "every buffer has a place");
 enum { SV_WALL_FETUS = SV_WALL_HISTOGRAMS, SV_WALL_GAPS = SV_WALL_HISTOGRAMS };
 enum { SV_WALL_WINDOW_SUMS = SV_WALL_SCRATCH };
 
@@ -57,7 +64,12 @@ typedef enum {
 enum { SV_WALL_BOUNDS = 1, SV_WALL_SCRATCH_WORDS = 2, SV_WALL_RECORD = 4, SV_WALL_DEPTH = 8 };
 
 /* Kernels that are not launched for every volume, or for every setting. */
-typedef enum { SV_WALL_ALWAYS, SV_WALL_IF_SMOOTHED, SV_WALL_IF_DOUBTFUL_CLIPS } sv_wall_when;
+typedef enum {
+    SV_WALL_ALWAYS,
+    SV_WALL_IF_SMOOTHED,
+    SV_WALL_IF_DOUBTFUL_CLIPS,
+    SV_WALL_UNLESS_TOLD /* the beams do not say whether there is a surface */
+} sv_wall_when;
 
 typedef struct {
     int kernel, takes;
@@ -70,12 +82,21 @@ typedef struct {
 typedef struct {
     const char *const *kernels; /* names, NULL-terminated */
     sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *from);
+    /* Makes the blocks of a grid along the beams, in place of the first launches. */
+    sv_status (*gather)(const sv_map *map, sv_method_state *state, const sv_wall_grid *grid);
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
     uint32_t count, first_at_q;     /* their number; the first one that depends on q */
+    uint32_t gathered, verdict;     /* those between are launched for the beams, too, with the latter */
 } sv_wall_work;
 
-/* The layout of an activation's map, with what the frame says of it. It is the method's own. */
-sv_wall_layout *sv_wall_layout_in(sv_method_state *state);
+/* The method's own: the layouts of an activation, with what the frame says of them, and their words of
+ * scratch memory in a row. */
+typedef struct {
+    sv_wall_layout camera, beams;
+    uint32_t camera_words, beam_words;
+    bool holds; /* the answer of the beams holds for the last frame's volume */
+} sv_wall_own;
+sv_wall_own *sv_wall_own_of(sv_method_state *state);
 
 /* Rounds up to a multiple of SV_WALL_LANES. */
 size_t sv_wall_lanes_of(uint32_t values);
@@ -86,10 +107,10 @@ size_t sv_wall_kinds_bytes(const sv_wall_layout *layout);
 /* True if pixels have ranges. */
 bool sv_wall_is_bounded(const sv_config *config);
 
-/* Launches what follows the slabs, `first` .. end - 1. `scratch_words`: of a row of rays. `to`: for the
- * kernel that writes depths. */
+/* Launches what follows the slabs, `first` .. end - 1, for a camera or for the beams. `to`: for the kernel
+ * that writes depths. */
 sv_status sv_wall_launch_all(const sv_map *map, sv_method_state *state, const sv_wall_work *work,
-                             uint32_t first, uint32_t end, uint32_t scratch_words, const sv_depth_target *to);
+                             uint32_t first, uint32_t end, bool beams, const sv_depth_target *to);
 
 /* The layouts of cl/wall/wall_*.cl and of cl/wall/items_*.cl. */
 extern const sv_wall_work sv_wall_rows, sv_wall_items;

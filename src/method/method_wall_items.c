@@ -8,6 +8,7 @@ enum {
     K_RANGE,
     K_DOWNSAMPLE,
     K_BLOCKS,
+    K_GATHER,
     K_SMOOTH,
     K_DILATE_ROWS,
     K_LEVELS,
@@ -37,6 +38,7 @@ enum {
 const char *const sv_wall_items_kernels[] = {"wall_items_range",
                                              "wall_items_downsample",
                                              "wall_items_blocks",
+                                             "wall_items_gather",
                                              "wall_items_smooth",
                                              "wall_items_dilate_rows",
                                              "wall_levels",
@@ -79,7 +81,7 @@ static uint32_t layers_to_launch(const sv_placed_slab *from, const sv_wall_layou
 }
 
 static sv_status take_slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
-    const sv_wall_layout layout = *sv_wall_layout_in(s);
+    const sv_wall_layout layout = sv_wall_own_of(s)->camera;
     const bool padded = m->config->padding < 256;
     sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_RANGE], sv_wall_items_kernels[K_RANGE], from,
                                  s->buffer[SV_WALL_PLACES]);
@@ -101,6 +103,19 @@ static sv_status take_slab(const sv_map *m, sv_method_state *s, const sv_placed_
 
 static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from) {
     return sv_slabs_one_by_one(m, s, from, take_slab);
+}
+
+static sv_status gather(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid) {
+    const sv_wall_own *const own = sv_wall_own_of(s);
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_GATHER], sv_wall_items_kernels[K_GATHER]);
+    sv_launch_arg(&l, sizeof own->beams, &own->beams);
+    sv_launch_arg(&l, sizeof *grid, grid);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_TABLES]);
+    sv_launch_buffer(&l, s->buffer[own->camera.smoothed ? SV_WALL_SMOOTHED : SV_WALL_LEVELS]);
+    static const int outputs[] = {SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_HISTOGRAMS};
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++)
+        sv_launch_buffer(&l, s->buffer[SV_WALL_BEAMS + outputs[i]]);
+    return sv_launch_groups(&l, own->beams.cells[1], SV_STAGE_THRESHOLD);
 }
 
 static const sv_wall_launch launches[] = {
@@ -167,7 +182,7 @@ static const sv_wall_launch launches[] = {
     {.kernel = K_DECIDE,
      .over = SV_WALL_ONCE,
      .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_FETUS, SV_WALL_INFO, -1}},
+     .buffers = {SV_WALL_FETUS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {.kernel = K_BLUR_Y,
      .over = SV_WALL_EACH_CELL,
      .stage = SV_STAGE_RECONSTRUCT,
@@ -188,12 +203,13 @@ static const sv_wall_launch launches[] = {
      .over = SV_WALL_GROUPS,
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, SV_WALL_GAPS,
-                 -1}},
+                 -1},
+     .when = SV_WALL_UNLESS_TOLD},
     {.kernel = K_VERDICT,
      .takes = SV_WALL_RECORD,
      .over = SV_WALL_ONCE,
      .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_GAPS, SV_WALL_INFO, -1}},
+     .buffers = {SV_WALL_GAPS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {.kernel = K_CONFIDENCE,
      .over = SV_WALL_EACH_RAY,
      .stage = SV_STAGE_RECONSTRUCT,
@@ -222,6 +238,9 @@ enum { COUNT = sizeof launches / sizeof *launches };
 
 const sv_wall_work sv_wall_items = {.kernels = sv_wall_items_kernels,
                                     .slabs = slabs,
+                                    .gather = gather,
                                     .launches = launches,
                                     .count = COUNT,
-                                    .first_at_q = COUNT - 2};
+                                    .first_at_q = COUNT - 2,
+                                    .gathered = 2,
+                                    .verdict = 20};

@@ -7,6 +7,7 @@
 enum {
     K_DOWNSAMPLE,
     K_BLOCKS,
+    K_GATHER,
     K_SMOOTH,
     K_LEVELS,
     K_BRIGHT,
@@ -27,24 +28,36 @@ enum {
     K_KNOB,
     K_UPSAMPLE
 };
-const char *const sv_wall_rows_kernels[] = {"wall_downsample",   "wall_blocks",
-                                            "wall_smooth",       "wall_levels",
-                                            "wall_bright",       "wall_relative",
-                                            "wall_first_runs",   "wall_evidence",
-                                            "wall_surroundings", "wall_costs",
-                                            "wall_decide",       "wall_blur",
-                                            "wall_minimum",      "wall_median",
-                                            "wall_gaps",         "wall_verdict",
-                                            "wall_confidence",   "wall_erode",
-                                            "wall_open",         "wall_knob",
-                                            "wall_upsample",     NULL};
+const char *const sv_wall_rows_kernels[] = {"wall_downsample",
+                                            "wall_blocks",
+                                            "wall_gather",
+                                            "wall_smooth",
+                                            "wall_levels",
+                                            "wall_bright",
+                                            "wall_relative",
+                                            "wall_first_runs",
+                                            "wall_evidence",
+                                            "wall_surroundings",
+                                            "wall_costs",
+                                            "wall_decide",
+                                            "wall_blur",
+                                            "wall_minimum",
+                                            "wall_median",
+                                            "wall_gaps",
+                                            "wall_verdict",
+                                            "wall_confidence",
+                                            "wall_erode",
+                                            "wall_open",
+                                            "wall_knob",
+                                            "wall_upsample",
+                                            NULL};
 
 sv_source sv_wall_rows_source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
 }
 
 static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from) {
-    const sv_wall_layout layout = *sv_wall_layout_in(s);
+    const sv_wall_layout layout = sv_wall_own_of(s)->camera;
     sv_launch l = sv_slabs_launch(m, s->kernels.kernel[K_DOWNSAMPLE], sv_wall_rows_kernels[K_DOWNSAMPLE],
                                   from, s->buffer[SV_WALL_PLACES]);
     sv_launch_arg(&l, sizeof layout, &layout);
@@ -53,6 +66,21 @@ static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slab
     sv_launch_buffer(&l, s->buffer[SV_WALL_RANGES]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_LEVELS]);
     return sv_launch_items(&l, layout.cells[1], SV_STAGE_PROFILE);
+}
+
+static sv_status gather(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid) {
+    const sv_wall_own *const own = sv_wall_own_of(s);
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_GATHER], sv_wall_rows_kernels[K_GATHER]);
+    sv_launch_arg(&l, sizeof own->beams, &own->beams);
+    sv_launch_arg(&l, sizeof *grid, grid);
+    sv_launch_uint(&l, own->beam_words);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_TABLES]);
+    sv_launch_buffer(&l, s->buffer[own->camera.smoothed ? SV_WALL_SMOOTHED : SV_WALL_LEVELS]);
+    static const int outputs[] = {SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_SCRATCH, SV_WALL_ROW_MAXIMA,
+                                  SV_WALL_HISTOGRAMS};
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++)
+        sv_launch_buffer(&l, s->buffer[SV_WALL_BEAMS + outputs[i]]);
+    return sv_launch_items(&l, own->beams.cells[1], SV_STAGE_THRESHOLD);
 }
 
 static const sv_wall_launch launches[] = {
@@ -104,7 +132,7 @@ static const sv_wall_launch launches[] = {
     {.kernel = K_DECIDE,
      .over = SV_WALL_ONCE,
      .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_FETUS, SV_WALL_INFO, -1}},
+     .buffers = {SV_WALL_FETUS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {.kernel = K_BLUR,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_CELL_ROWS,
@@ -123,12 +151,13 @@ static const sv_wall_launch launches[] = {
      .over = SV_WALL_CELL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, SV_WALL_GAPS,
-                 -1}},
+                 -1},
+     .when = SV_WALL_UNLESS_TOLD},
     {.kernel = K_VERDICT,
      .takes = SV_WALL_RECORD,
      .over = SV_WALL_ONCE,
      .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_GAPS, SV_WALL_INFO, -1}},
+     .buffers = {SV_WALL_GAPS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {.kernel = K_CONFIDENCE,
      .over = SV_WALL_ROWS,
      .stage = SV_STAGE_RECONSTRUCT,
@@ -159,6 +188,9 @@ enum { COUNT = sizeof launches / sizeof *launches };
 
 const sv_wall_work sv_wall_rows = {.kernels = sv_wall_rows_kernels,
                                    .slabs = slabs,
+                                   .gather = gather,
                                    .launches = launches,
                                    .count = COUNT,
-                                   .first_at_q = COUNT - 2};
+                                   .first_at_q = COUNT - 2,
+                                   .gathered = 2,
+                                   .verdict = 14};

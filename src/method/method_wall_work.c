@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method_wall.h"
 
-sv_wall_layout *sv_wall_layout_in(sv_method_state *s) {
-    _Static_assert(sizeof(sv_wall_layout) <= sizeof s->own, "the layout has room in the state");
-    return (sv_wall_layout *)(void *)s->own.bytes;
+sv_wall_own *sv_wall_own_of(sv_method_state *s) {
+    _Static_assert(sizeof(sv_wall_own) <= sizeof s->own, "the method's own has room in the state");
+    return (sv_wall_own *)(void *)s->own.bytes;
 }
 
 bool sv_wall_is_bounded(const sv_config *c) {
@@ -51,22 +51,31 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
     return sv_launch_pixels(l, layout->width, layout->height, stage);
 }
 
+/* The tables serve all grids, and what the beams say is one buffer. */
+static cl_mem buffer_of(const sv_method_state *s, int buffer, bool beams) {
+    const bool one = buffer == SV_WALL_TABLES || buffer >= SV_WALL_BEAMS;
+    return s->buffer[beams && !one ? SV_WALL_BEAMS + buffer : buffer];
+}
+
 sv_status sv_wall_launch_all(const sv_map *m, sv_method_state *s, const sv_wall_work *work, uint32_t first,
-                             uint32_t end, uint32_t scratch_words, const sv_depth_target *to) {
-    const sv_wall_layout *layout = sv_wall_layout_in(s);
+                             uint32_t end, bool beams, const sv_depth_target *to) {
+    sv_wall_own *const own = sv_wall_own_of(s);
+    const sv_wall_layout *layout = beams ? &own->beams : &own->camera;
     const bool smoothed = layout->smoothed != 0;
     sv_status status = SV_OK;
     for (uint32_t i = first; status == SV_OK && i < end; i++) {
         const sv_wall_launch *w = &work->launches[i];
         if (w->when == SV_WALL_IF_SMOOTHED && !smoothed) continue;
         if (w->when == SV_WALL_IF_DOUBTFUL_CLIPS && !layout->clip_doubtful) continue;
+        if (w->when == SV_WALL_UNLESS_TOLD && layout->told) continue;
         sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[w->kernel], work->kernels[w->kernel]);
         sv_launch_arg(&l, sizeof *layout, layout);
         if (w->takes & SV_WALL_BOUNDS) sv_launch_uint(&l, sv_wall_is_bounded(m->config));
         if (w->takes & SV_WALL_BOUNDS) sv_launch_uint(&l, m->padded_width);
-        if (w->takes & SV_WALL_SCRATCH_WORDS) sv_launch_uint(&l, scratch_words);
+        if (w->takes & SV_WALL_SCRATCH_WORDS) sv_launch_uint(&l, beams ? own->beam_words : own->camera_words);
         for (const int *b = w->buffers; *b >= 0; b++)
-            sv_launch_buffer(&l, s->buffer[*b == SV_WALL_SMOOTHED && !smoothed ? SV_WALL_LEVELS : *b]);
+            sv_launch_buffer(&l,
+                             buffer_of(s, smoothed || *b != SV_WALL_SMOOTHED ? *b : SV_WALL_LEVELS, beams));
         if (w->takes & SV_WALL_RECORD) sv_launch_buffer(&l, m->record);
         if (w->takes & SV_WALL_DEPTH) sv_launch_arg(&l, sizeof to->first, &to->first);
         if (w->takes & SV_WALL_DEPTH) sv_launch_buffer(&l, to->buffer);

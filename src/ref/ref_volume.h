@@ -2,6 +2,8 @@
 #ifndef SV_REF_VOLUME_H
 #define SV_REF_VOLUME_H
 
+#include "sv_beams.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -35,6 +37,7 @@ typedef struct {
     /* Distances along x, y and z, 0.05 .. 20. All three 0: they are not known, and the longest side counts as
      * 120 mm. */
     double spacing_mm[3];
+    const sv_beams *beams; /* that the volume was scanned with; NULL: not known */
 } sv_wall_volume;
 
 #endif

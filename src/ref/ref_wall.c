@@ -2,6 +2,7 @@
 #include "ref/ref_wall.h"
 
 #include "ref/ref_wall_steps.h"
+#include "wall_grid.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -60,22 +61,24 @@ static void lower_confidence(const sv_wall_layout *l, float *confidence) {
     for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] *= l->doubtful_confidence;
 }
 
-/* Costs the layers and selects the surface, if enough rays show the fetus. */
+/* Costs the layers and selects the surface, if enough rays show the fetus. `told`: what the beams say of
+ * that, or NULL. */
 static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *levels,
-                            const sv_wall_evidence *evidence, float *depth, float *confidence,
-                            sv_wall_outcome *outcome, sv_wall_facts *facts) {
+                            const sv_wall_evidence *evidence, const sv_wall_outcome *told, float *depth,
+                            float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     const sv_wall_layout *l = scan->layout;
     sv_wall_costs costs;
     sv_wall_gaps gaps = {0};
     if (!sv_wall_costs_create(scan, evidence, &costs)) return false;
     const uint64_t rays = scan->blocks->rays,
                    needed = rays * SV_WALL_PROBABILITY_ONE * sv_wall_fetus_limit(l);
+    const bool seen = told ? *told == SV_WALL_SURFACE || *told == SV_WALL_DOUBTFUL
+                           : costs.fetus * SV_WALL_PER_MILLE >= needed;
     facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_PROBABILITY_ONE);
-    *outcome = SV_WALL_NO_FETUS;
+    *outcome = told ? *told : SV_WALL_NO_FETUS;
     bool done = true;
-    if (costs.fetus * SV_WALL_PER_MILLE >= needed) {
-        done = sv_wall_select_surface(scan, levels, &costs, depth, confidence, &gaps);
-        *outcome = sv_wall_verdict(l, &gaps);
+    if (seen) {
+        done = sv_wall_select_surface(scan, levels, &costs, told, depth, confidence, &gaps, outcome);
         if (done && *outcome == SV_WALL_DOUBTFUL) lower_confidence(l, confidence);
     }
     facts->wanted = (double)(*outcome == SV_WALL_NO_FETUS ? sv_wall_fetus_limit(l) : sv_wall_gap_limit(l)) /
@@ -102,7 +105,8 @@ static bool make_maps(sv_wall_scan *scan, const sv_wall_levels *levels, cell_map
 
 /* The surface of a volume of two classes. */
 static bool surface(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wall_levels *levels,
-                    float *depth, float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
+                    const sv_wall_outcome *told, float *depth, float *confidence, sv_wall_outcome *outcome,
+                    sv_wall_facts *facts) {
     sv_wall_evidence evidence;
     sv_wall_scan scan = {.layout = l, .blocks = blocks};
     cell_maps maps = {0};
@@ -114,10 +118,38 @@ static bool surface(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wa
         facts->wall_rays = evidence.wall_rays;
         facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
         facts->spread = ldexp(evidence.spread, -SV_WALL_ODDS_BITS);
-        done = cost_and_select(&scan, levels, &evidence, depth, confidence, outcome, facts);
+        done = cost_and_select(&scan, levels, &evidence, told, depth, confidence, outcome, facts);
     }
     free(maps.brightness);
     free(maps.surroundings);
+    return done;
+}
+
+/* Finds the surface of a layout's blocks, if their levels have two classes. */
+static bool surface_of_blocks(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wall_outcome *told,
+                              float *depth, float *confidence, sv_wall_outcome *outcome,
+                              sv_wall_facts *facts) {
+    uint64_t histogram[256];
+    sv_wall_histogram(blocks, histogram);
+    const sv_wall_levels levels = sv_wall_levels_of(l, histogram);
+    *facts = (sv_wall_facts){.threshold = levels.threshold, .rays = blocks->rays};
+    *outcome = SV_WALL_EMPTY;
+    return !levels.two || surface(l, blocks, &levels, told, depth, confidence, outcome, facts);
+}
+
+/* Asks for the surface along the beams. */
+static bool ask_beams(const sv_wall_blocks *camera, const sv_wall_grid *grid, const sv_wall_settings *s,
+                      sv_wall_outcome *outcome, sv_wall_facts *facts) {
+    const sv_wall_layout l = sv_wall_grid_layout(s);
+    const size_t count = (size_t)l.columns * l.rows;
+    sv_wall_blocks blocks;
+    float *const maps = malloc(2 * count * sizeof *maps);
+    bool done = maps && sv_wall_gather(camera, grid, &l, &blocks);
+    if (done) {
+        done = surface_of_blocks(&l, &blocks, NULL, maps, maps + count, outcome, facts);
+        sv_wall_blocks_destroy(&blocks);
+    }
+    free(maps);
     return done;
 }
 
@@ -129,13 +161,17 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     const sv_wall_layout l = sv_wall_layout_of(v->width, v->height, v->slices, v->spacing_mm, &s);
     sv_wall_blocks blocks;
     if (!sv_wall_blocks_create(v, &l, &blocks)) return false;
-    uint64_t histogram[256];
-    sv_wall_histogram(&blocks, histogram);
-    const sv_wall_levels levels = sv_wall_levels_of(&l, histogram);
-    sv_wall_facts found = {.threshold = levels.threshold, .rays = blocks.rays};
-    bool done = true;
-    *outcome = SV_WALL_EMPTY;
-    if (levels.two) done = surface(&l, &blocks, &levels, depth, confidence, outcome, &found);
+    sv_wall_grid grid;
+    sv_wall_facts found, along;
+    sv_wall_outcome said;
+    const bool told = v->beams && sv_wall_grid_of(&l, v->spacing_mm, v->beams, &s, &grid);
+    bool done = !told || ask_beams(&blocks, &grid, &s, &said, &along);
+    if (done) done = surface_of_blocks(&l, &blocks, told ? &said : NULL, depth, confidence, outcome, &found);
+    if (told) {
+        found.gap_share = along.gap_share;
+        found.fetus = along.fetus;
+        found.wanted = along.wanted;
+    }
     const bool clips = *outcome == SV_WALL_SURFACE || (*outcome == SV_WALL_DOUBTFUL && l.clip_doubtful);
     if (done && !clips) clip_nothing(&l, depth, confidence);
     sv_wall_blocks_destroy(&blocks);
@@ -161,7 +197,7 @@ static double in_range(double mm) {
     return mm > 0.0 ? fmin(fmax(mm, SV_WALL_SHORTEST_MM), SV_WALL_LONGEST_MM) : 0.0;
 }
 
-bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3],
+bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3], const sv_beams *beams,
                             const sv_wall_settings *settings, float *depth, float *confidence,
                             sv_wall_outcome *outcome, sv_wall_facts *facts) {
     const size_t plane = (size_t)v->width * v->height;
@@ -177,6 +213,7 @@ bool sv_wall_surface_padded(const sv_ref_volume *v, const double spacing_mm[3],
             .slices = v->slices,
             .first = ranges,
             .end = ranges + plane,
+            .beams = beams,
             .spacing_mm = {in_range(spacing_mm[0]), in_range(spacing_mm[1]), in_range(spacing_mm[2])}};
         done = sv_wall_surface(&wall, settings, depth, confidence, outcome, facts);
     }
@@ -192,7 +229,7 @@ static bool of_task(const sv_ref_task *task, double *surface) {
     sv_wall_outcome outcome;
     sv_wall_settings settings = sv_wall_settings_default();
     settings.q = task->q;
-    const bool done = maps && sv_wall_surface_padded(task->volume, task->spacing_mm, &settings, maps,
+    const bool done = maps && sv_wall_surface_padded(task->volume, task->spacing_mm, NULL, &settings, maps,
                                                      maps + count, &outcome, NULL);
     for (size_t i = 0; done && i < count; i++) surface[i] = (double)maps[i];
     free(maps);

@@ -36,8 +36,8 @@ bool sv_wall_surface(const sv_wall_volume *volume, const sv_wall_settings *setti
 
 /* Finds the surface of a volume that may have a padding value. Voxels of that value were not scanned. A ray
  * then goes from its first other voxel to its last, and the padding between them counts as 0.
- * Any spacing is taken: one out of range counts as the nearest that is not. `q` is the knob, 0 .. 1.5. */
-bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3],
+ * Any spacing is taken: one out of range counts as the nearest that is not. `beams` may be NULL. */
+bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3], const sv_beams *beams,
                             const sv_wall_settings *settings, float *depth, float *confidence,
                             sv_wall_outcome *outcome, sv_wall_facts *facts);
 

@@ -59,7 +59,7 @@ static void smooth_axially(const sv_wall_blocks *b) {
         }
 }
 
-bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_wall_blocks *b) {
+bool sv_wall_blocks_allocate(const sv_wall_layout *l, sv_wall_blocks *b) {
     const size_t plane = (size_t)l->columns * l->rows;
     *b = (sv_wall_blocks){.columns = l->columns,
                           .rows = l->rows,
@@ -69,10 +69,14 @@ bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_
                           .relative = calloc(plane, l->layers),
                           .first = calloc(plane, sizeof(uint16_t)),
                           .end = calloc(plane, sizeof(uint16_t))};
-    if (!b->means || !b->levels || !b->relative || !b->first || !b->end) {
-        sv_wall_blocks_destroy(b);
-        return false;
-    }
+    if (b->means && b->levels && b->relative && b->first && b->end) return true;
+    sv_wall_blocks_destroy(b);
+    return false;
+}
+
+bool sv_wall_blocks_create(const sv_wall_volume *v, const sv_wall_layout *l, sv_wall_blocks *b) {
+    const size_t plane = (size_t)l->columns * l->rows;
+    if (!sv_wall_blocks_allocate(l, b)) return false;
     for (uint32_t y = 0; y < l->rows; y++) {
         const sv_wall_span sy = sv_wall_span_of(y, l->height, l->rows);
         for (uint32_t x = 0; x < l->columns; x++) {

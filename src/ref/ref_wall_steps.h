@@ -21,6 +21,9 @@ typedef struct {
     uint32_t rays; /* that were scanned */
 } sv_wall_blocks;
 
+/* Blocks of a layout that were not scanned. */
+bool sv_wall_blocks_allocate(const sv_wall_layout *layout, sv_wall_blocks *blocks);
+
 bool sv_wall_blocks_create(const sv_wall_volume *volume, const sv_wall_layout *layout,
                            sv_wall_blocks *blocks);
 void sv_wall_blocks_destroy(sv_wall_blocks *blocks);
@@ -29,6 +32,13 @@ void sv_wall_blocks_destroy(sv_wall_blocks *blocks);
  * cells of its own, in the same layer, of half the sums of the means of a block and the one behind it,
  * rounded half up; blocks that were not scanned count as 0. The caller frees it. */
 uint8_t *sv_wall_brightness_map(const sv_wall_layout *layout, const sv_wall_blocks *blocks);
+
+/* ---- the same blocks along the beams (ref_wall_beams.c) */
+
+/* Takes the levels at the samples of a grid, each from the nearest block of the camera. `layout`: the grid's.
+ */
+bool sv_wall_gather(const sv_wall_blocks *camera, const sv_wall_grid *grid, const sv_wall_layout *layout,
+                    sv_wall_blocks *blocks);
 
 /* ---- grey levels: the threshold between fluid and tissue (ref_wall_levels.c) */
 
@@ -149,9 +159,10 @@ typedef struct {
 /* How sure a surface is that costs so much, in a layer of that level relative to the threshold, 1. */
 float sv_wall_confidence(const sv_wall_layout *layout, float cost, float level);
 
-/* Writes the maps of depth and confidence. */
+/* Writes the maps of depth and confidence. `told`: the outcome, or NULL: the gaps tell it. */
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,
-                            const sv_wall_costs *costs, float *depth, float *confidence, sv_wall_gaps *gaps);
+                            const sv_wall_costs *costs, const sv_wall_outcome *told, float *depth,
+                            float *confidence, sv_wall_gaps *gaps, sv_wall_outcome *outcome);
 
 /* From this mean probability on a fetus is seen; from this share of dark blocks in gaps on there is a
  * surface. Per mille, after layout->last. */

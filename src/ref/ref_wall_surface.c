@@ -302,7 +302,8 @@ sv_wall_outcome sv_wall_verdict(const sv_wall_layout *l, const sv_wall_gaps *gap
 }
 
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,
-                            const sv_wall_costs *given, float *depth, float *confidence, sv_wall_gaps *gaps) {
+                            const sv_wall_costs *given, const sv_wall_outcome *told, float *depth,
+                            float *confidence, sv_wall_gaps *gaps, sv_wall_outcome *outcome) {
     const sv_wall_layout *l = scan->layout;
     const size_t count = (size_t)l->columns * l->rows, all = (size_t)l->cells[0] * l->cells[1] * l->layers;
     uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
@@ -318,7 +319,8 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
         median_filter(l, layers, filtered);
         find_confidence(scan, layers + COST * count, filtered + PLACE * count, layers, confidence);
         count_gaps(scan, levels->fluid, filtered + PLACE * count, gaps);
-        if (sv_wall_verdict(l, gaps) == SV_WALL_DOUBTFUL) fill_pits(scan, filtered, layers);
+        *outcome = told ? *told : sv_wall_verdict(l, gaps);
+        if (*outcome == SV_WALL_DOUBTFUL) fill_pits(scan, filtered, layers);
         apply_knob(scan, filtered);
         interpolate(l, filtered + PLACE * count, (float)l->depth, depth);
     }

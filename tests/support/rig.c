@@ -209,6 +209,14 @@ void rig_stage_free(stage *st) {
     free(st);
 }
 
+void rig_tell(stage *st, const sv_beams *beams) {
+    memcpy(st->told.probe_rotation, beams->rotation, sizeof beams->rotation);
+    memcpy(st->told.probe_side, beams->side, sizeof beams->side);
+    memcpy(st->told.beam_apex_mm, beams->apex_mm, sizeof beams->apex_mm);
+    st->told.beams = beams->kind;
+    st->told.beam_sweep_mm = beams->sweep_mm;
+}
+
 sv_status rig_frame(rig *r, const stage *st, const sv_param_value *values, uint32_t count, rig_result *out) {
     const sv_result result = {
         .size = sizeof result, .depth = out->depth, .status = out->status, .stats = &out->stats};

@@ -8,6 +8,7 @@
 #include "ref/ref_points.h"
 #include "smartvis_plugin.h"
 #include "stage/stage.h"
+#include "sv_beams.h"
 
 #include <CL/cl.h>
 
@@ -120,6 +121,9 @@ int rig_teardown(void **state);
  * of the pitch, unused tiles) holds 255, the worst it could. Owned by the caller. */
 stage *rig_stage(const rig *r, const rig_format *f, const uint8_t *volume);
 void rig_stage_free(stage *st);
+
+/* Frames tell these beams from now on. */
+void rig_tell(stage *st, const sv_beams *beams);
 
 /* begin, all slabs, end and, with the host's queue, clFinish. Returns the first status that is not SV_OK,
  * else the outcome in the statistics. The instance must be active with this format. */

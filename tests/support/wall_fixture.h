@@ -21,6 +21,7 @@ typedef struct {
     uint32_t width, height, slices;
     uint8_t *voxels;
     uint16_t *first, *end;
+    const sv_beams *beams; /* NULL: not told */
     float *depth, *confidence;
     sv_wall_outcome outcome;
     sv_wall_facts facts;
@@ -49,7 +50,14 @@ static inline void scan_free(scan *s) {
 
 /* Runs with `settings`; NULL is the default. */
 static inline void scan_run_with(scan *s, const sv_wall_settings *settings) {
-    const sv_wall_volume v = {s->voxels, s->width, s->height, s->slices, s->first, s->end, {MM, MM, MM}};
+    const sv_wall_volume v = {.voxels = s->voxels,
+                              .width = s->width,
+                              .height = s->height,
+                              .slices = s->slices,
+                              .first = s->first,
+                              .end = s->end,
+                              .spacing_mm = {MM, MM, MM},
+                              .beams = s->beams};
     for (size_t i = 0; i < (size_t)s->width * s->height; i++) s->depth[i] = s->confidence[i] = -1.0f;
     assert_true(sv_wall_surface(&v, settings, s->depth, s->confidence, &s->outcome, &s->facts));
     for (size_t i = 0; i < (size_t)s->width * s->height; i++) {

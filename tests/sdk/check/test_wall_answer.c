@@ -81,7 +81,7 @@ static void run_layers(scan *s, const uint8_t levels[LAYERS], uint32_t from, uin
     for (uint32_t z = 0; z < N; z++)
         for (uint32_t i = 0; i < PIXELS; i++)
             s->voxels[(size_t)z * PIXELS + i] = i % N >= from && z / 2 < dark ? FLUID : levels[z / 2];
-    const sv_wall_volume v = {s->voxels, N, N, N, s->first, s->end, {MM, MM, 1.0}};
+    const sv_wall_volume v = {s->voxels, N, N, N, s->first, s->end, {MM, MM, 1.0}, NULL};
     assert_true(sv_wall_surface(&v, settings, s->depth, s->confidence, &s->outcome, &s->facts));
 }
 
@@ -234,7 +234,7 @@ static uint8_t relate_first_layer(uint32_t muscle) {
     put(levels, &at, muscle, MUSCLE);
     put(levels, &at, LAYERS, BONE);
     run_layers(&s, levels, N, 0, NULL);
-    const sv_wall_volume v = {s.voxels, N, N, N, s.first, s.end, {MM, MM, 1.0}};
+    const sv_wall_volume v = {s.voxels, N, N, N, s.first, s.end, {MM, MM, 1.0}, NULL};
     const sv_wall_settings settings = sv_wall_settings_default();
     const sv_wall_layout l = sv_wall_layout_of(N, N, N, v.spacing_mm, &settings);
     const sv_wall_levels known = {.two = true,

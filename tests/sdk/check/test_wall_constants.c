@@ -326,8 +326,6 @@ static void one_side_weighs_three_tenths(void **state) {
     drop(&m);
 }
 
-/* ---------------------------------------------------------------------------------------- the surface -- */
-
 enum { ACROSS = 32, PIXELS = 4 * ACROSS };
 
 typedef struct {
@@ -336,12 +334,13 @@ typedef struct {
 } row_of_cells;
 
 static void select_surface(row_of_cells *r, const sv_wall_settings *settings) {
-    const sv_wall_costs costs = {.all = &r->cost[0][0]};
     sv_wall_gaps gaps;
+    sv_wall_outcome outcome;
     model m;
     make(&m, ACROSS, 1, DEEP, settings);
-    assert_true(sv_wall_select_surface(&m.scan, &(sv_wall_levels){.two = true}, &costs, r->depth,
-                                       r->confidence, &gaps));
+    assert_true(sv_wall_select_surface(&m.scan, &(sv_wall_levels){.two = true},
+                                       &(sv_wall_costs){.all = &r->cost[0][0]}, NULL, r->depth, r->confidence,
+                                       &gaps, &outcome));
     drop(&m);
 }
 

@@ -324,7 +324,7 @@ static void test_everything_scanned(void **state) {
     scan_run(&s);
     float depth[PIXELS], confidence[PIXELS];
     sv_wall_outcome outcome;
-    const sv_wall_volume v = {s.voxels, N, N, N, NULL, NULL, {0.0, 0.0, 0.0}};
+    const sv_wall_volume v = {s.voxels, N, N, N, NULL, NULL, {0.0, 0.0, 0.0}, NULL};
     assert_true(
         sv_wall_surface(&v, NULL, depth, confidence, &outcome, NULL)); /* 120 mm / 64 is this spacing */
     assert_memory_equal(depth, s.depth, sizeof depth);
@@ -353,7 +353,7 @@ static void test_confidence_is_in_range(void **state) {
         const size_t plane = (size_t)side * side;
         draw(&s, WALL, GAP, true);
         for (size_t i = 0; i < plane; i++) s.end[i] = i % side < SCANNED ? N : 0;
-        const sv_wall_volume v = {s.voxels, side, side, N, s.first, s.end, {MM / 2.0, MM / 2.0, MM}};
+        const sv_wall_volume v = {s.voxels, side, side, N, s.first, s.end, {MM / 2.0, MM / 2.0, MM}, NULL};
         assert_true(sv_wall_surface(&v, NULL, s.depth, s.confidence, &s.outcome, NULL));
         assert_int_equal(s.outcome, SV_WALL_SURFACE);
         for (size_t i = 0; i < plane; i++) assert_true(s.confidence[i] >= 0.0f && s.confidence[i] <= 1.0f);
@@ -365,7 +365,7 @@ static void test_bad_input(void **state) {
     (void)state;
     const uint8_t voxels[8] = {0};
     const uint16_t first[4] = {0, 0, 2, 0}, end[4] = {2, 2, 1, 2}, beyond[4] = {2, 2, 3, 2}, none[4] = {0};
-    const sv_wall_volume good = {voxels, 2, 2, 2, NULL, NULL, {1.0, 1.0, 1.0}};
+    const sv_wall_volume good = {voxels, 2, 2, 2, NULL, NULL, {1.0, 1.0, 1.0}, NULL};
     char text[160];
     assert_true(sv_wall_check(&good, text, sizeof text));
     sv_wall_volume v = good;

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/* Method wall beside its definition: one frame of a volume, in both layouts of the work, at several positions
+ * of the knob. */
+#ifndef WALL_COMPARE_H
+#define WALL_COMPARE_H
+
+#include "ref/ref_wall.h"
+#include "support/rig.h"
+
+typedef struct {
+    uint32_t width, height, slices, slab_slices;
+    int32_t padding;
+    float spacing_mm[3]; /* zeros: unknown */
+    const sv_scanned *scanned;
+    const sv_beams *beams; /* NULL: not told */
+} wall_shape;
+
+/* Knob positions: that of the frame, then those that it is moved to. */
+enum { WALL_PLACES = 4 };
+
+/* The definition's maps at every position; outcome and facts are the same at all of them. */
+typedef struct {
+    float *depth[WALL_PLACES], *confidence;
+    bool clip_doubtful;
+    sv_wall_outcome outcome;
+    sv_wall_facts facts;
+} wall_expected;
+
+/* By the definition. Owned by the caller. */
+wall_expected wall_expect(const wall_shape *s, const uint8_t *volume, bool clip_doubtful);
+void wall_expected_free(wall_expected *e);
+
+/* Compares both layouts, and a doubtful surface with and without clipping there. Returns true if there is a
+ * surface. */
+bool wall_compare(rig *r, const wall_shape *s, const uint8_t *volume, const char *what);
+
+/* Tissue, fluid and bone in layers of up to `longest` slices, the same for patches of rays but for their
+ * ends: thin tissue, narrow fluid, rays that begin in fluid. The caller frees it. */
+uint8_t *wall_layered_noise(uint32_t width, uint32_t height, uint32_t slices, uint32_t longest,
+                            uint32_t patch_side, uint32_t seed);
+
+#endif
