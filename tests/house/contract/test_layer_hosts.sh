@@ -72,7 +72,7 @@ from console_client import Console, Page
 console = Console(sys.argv[1], ["--plugin", sys.argv[2], "--no-guard"])
 try:
     page = Page(console)
-    for changes in ({}, {"camera": {"yaw": 30, "pitch": 10, "zoom": 1}}, {"lanes": [{"plugin": 0, "values": {"q": 0.5}}]},
+    for changes in ({}, {"camera": {"yaw": 30, "pitch": 10, "roll": 0, "zoom": 1}}, {"lanes": [{"plugin": 0, "values": {"q": 0.5}}]},
                     {"play": {"on": False, "speed": 20, "index": 0}}):
         frame = page.show(**changes)
         assert frame["type"] == "frame" and not frame["lanes"][0]["failed"], frame
