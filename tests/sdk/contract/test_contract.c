@@ -218,6 +218,45 @@ static void structs_too_short(void **state) {
     fixture_frame_is_good(f);
 }
 
+/* Of a newer host's struct the tail stays as it is, of a shorter one, which is refused, all but its size. A
+ * frame that ends with those of 1.0, or within the rotation, says nothing of the probe. */
+static void only_known_bytes_are_touched(void **state) {
+    enum { EXTRA = 24, MARK = 0xA5 };
+    fixture *f = *state;
+    const sv_plugin *p = f->r.plugin;
+    union {
+        sv_param_info info;
+        sv_stats stats;
+        sv_frame frame;
+        unsigned char bytes[sizeof(sv_frame) + EXTRA];
+    } u;
+    for (int longer = 0; longer < 2; longer++) {
+        const sv_status status = longer ? SV_OK : SV_ERR_SIZE;
+        memset(&u, MARK, sizeof u);
+        u.info.size = (uint32_t)sizeof u.info + (longer ? EXTRA : -1u);
+        assert_int_equal(p->param_info(p, 0, &u.info), status);
+        for (size_t i = longer ? sizeof u.info : 4; i < sizeof u; i++) assert_int_equal(u.bytes[i], MARK);
+
+        memset(&u, MARK, sizeof u);
+        u.stats.size = (uint32_t)sizeof u.stats + (longer ? EXTRA : -1u);
+        sv_result result = fixture_result(f);
+        result.stats = &u.stats;
+        memset(f->out.depth, MARK, FIXTURE_RAYS * sizeof(float));
+        assert_int_equal(fixture_begin(f), SV_OK);
+        assert_int_equal(fixture_slabs(f), SV_OK);
+        assert_int_equal(p->end(p, &result), status);
+        assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+        for (size_t i = longer ? sizeof u.stats : 4; i < sizeof u; i++) assert_int_equal(u.bytes[i], MARK);
+        const unsigned char *depth = (const unsigned char *)f->out.depth;
+        for (size_t i = 0; !longer && i < FIXTURE_RAYS * sizeof(float); i++) assert_int_equal(depth[i], MARK);
+
+        memset(&u, MARK, sizeof u);
+        memset(&u.frame, 0, SV_FRAME_SIZE_1_0);
+        u.frame.size = SV_FRAME_SIZE_1_0 + (longer ? EXTRA : 0);
+        assert_int_equal(p->begin(p, &u.frame), SV_OK);
+    }
+}
+
 static void unknown_ids_and_flags(void **state) {
     fixture *f = *state;
     const sv_plugin *p = f->r.plugin, *out = p;
@@ -249,7 +288,7 @@ int main(void) {
         FIXTURE_TEST(every_call_in_every_state),    FIXTURE_TEST_ACTIVE(a_refused_call_changes_nothing),
         FIXTURE_TEST(deactivate_when_inactive),     FIXTURE_TEST(null_arguments),
         FIXTURE_TEST(a_host_without_services),      FIXTURE_TEST_ACTIVE(structs_too_short),
-        FIXTURE_TEST_ACTIVE(unknown_ids_and_flags),
+        FIXTURE_TEST_ACTIVE(unknown_ids_and_flags), FIXTURE_TEST_ACTIVE(only_known_bytes_are_touched),
     };
     return cmocka_run_group_tests_name("contract", tests, NULL, NULL);
 }
