@@ -60,22 +60,6 @@ static void test_volumes(void **state) {
     surface_points_free(&p);
 }
 
-/* Whatever lays out the points' work, the methods get the same points. */
-static void test_layouts(void **state) {
-    surface_points p = surface_scattered(70, 45, 60, 150, 61);
-    for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method))
-        for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-            const surface_chain chain = {.method = method,
-                                         .q = 1.25f,
-                                         .k = 9,
-                                         .prefilter_passes = (uint32_t)method % 2,
-                                         .prefilter_k = 3,
-                                         .strategy = strategy};
-            check(*state, &p, &chain, surface_bound(&chain, &p), "in every layout");
-        }
-    surface_points_free(&p);
-}
-
 /* q > 1: depths below 0 must come through. */
 static void test_negative_depths(void **state) {
     for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method)) {
@@ -144,11 +128,13 @@ static void test_deep(void **state) {
 }
 
 /* One frame with q = 0.25, then adjust to 1.5: the same map as a frame with q = 1.5. */
-static void check_adjust(rig *r, const surface_points *points, int method, bool prefilter) {
+static void check_adjust(rig *r, const surface_points *points, int method, bool prefilter,
+                         uint32_t reduction) {
     const sv_plugin *p = r->plugin;
     const sv_param_value fixed[] = {{rig_param(r, "method"), 0, method},
-                                    {rig_param(r, "prefilter"), 0, prefilter}};
-    const sv_format format = surface_format(points, fixed, 2);
+                                    {rig_param(r, "prefilter"), 0, prefilter},
+                                    {rig_param(r, "reduction"), 0, reduction}};
+    const sv_format format = surface_format(points, fixed, 3);
     const size_t count = (size_t)points->width * points->height;
     uint8_t *volume = surface_volume(points);
     rig_result first = rig_result_make(points->width, points->height);
@@ -180,7 +166,7 @@ static void check_adjust(rig *r, const surface_points *points, int method, bool 
 static void test_adjust(void **state) {
     surface_points p = surface_scattered(40, 33, 60, 70, 3);
     for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method))
-        for (int prefilter = 0; prefilter < 2; prefilter++) check_adjust(*state, &p, method, prefilter);
+        for (uint32_t n = 0; n < 4; n++) check_adjust(*state, &p, method, n % 2, 1 + n / 2);
     surface_points_free(&p);
 }
 
@@ -221,12 +207,11 @@ static void test_nothing_is_left(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values),          cmocka_unit_test(test_definition),
-        cmocka_unit_test(test_volumes),         cmocka_unit_test(test_negative_depths),
-        cmocka_unit_test(test_prefilter),       cmocka_unit_test(test_settings),
-        cmocka_unit_test(test_patches),         cmocka_unit_test(test_deep),
-        cmocka_unit_test(test_adjust),          cmocka_unit_test(test_layouts),
-        cmocka_unit_test(test_nothing_is_left),
+        cmocka_unit_test(test_values),    cmocka_unit_test(test_definition),
+        cmocka_unit_test(test_volumes),   cmocka_unit_test(test_negative_depths),
+        cmocka_unit_test(test_prefilter), cmocka_unit_test(test_settings),
+        cmocka_unit_test(test_patches),   cmocka_unit_test(test_deep),
+        cmocka_unit_test(test_adjust),    cmocka_unit_test(test_nothing_is_left),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

@@ -79,41 +79,6 @@ static void test_settings(void **state) {
     surface_points_free(&p);
 }
 
-/* The knob stays a multiply-add: adjust gives the map that a frame with that q gives. */
-static void test_adjust(void **state) {
-    rig *r = *state;
-    const sv_plugin *plugin = r->plugin;
-    surface_points p = make_set(1, 61, 47);
-    const size_t count = (size_t)p.width * p.height;
-    uint8_t *volume = surface_volume(&p);
-    for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method)) {
-        const sv_param_value fixed[] = {{rig_param(r, "method"), 0, method},
-                                        {rig_param(r, "reduction"), 0, 2}};
-        const sv_format format = surface_format(&p, fixed, 2);
-        const sv_param_value values[][2] = {
-            {{rig_param(r, "q"), 0, 0.25}, {rig_param(r, "evidence"), 0, 0.0}},
-            {{rig_param(r, "q"), 0, 1.5}, {rig_param(r, "evidence"), 0, 0.0}}};
-        rig_result out[2] = {rig_result_make(p.width, p.height), rig_result_make(p.width, p.height)};
-        assert_int_equal(plugin->activate(plugin, &format), SV_OK);
-        for (int n = 0; n < 2; n++) {
-            const sv_frame frame = {.size = sizeof frame, .values = values[n], .value_count = 2};
-            const sv_slab slab = {
-                .size = sizeof slab, .slice_count = SLICES, .memory = volume, .bytes = count * SLICES};
-            const sv_result result = {.size = sizeof result, .depth = out[n].depth, .stats = &out[n].stats};
-            assert_int_equal(plugin->begin(plugin, &frame), SV_OK);
-            assert_int_equal(plugin->slab(plugin, &slab), SV_OK);
-            assert_int_equal(plugin->end(plugin, &result), SV_OK);
-            if (n == 0) assert_int_equal(plugin->adjust(plugin, values[1], 1, &result), SV_OK);
-        }
-        assert_memory_equal(out[0].depth, out[1].depth, count * sizeof(float));
-        plugin->deactivate(plugin);
-        rig_result_free(&out[0]);
-        rig_result_free(&out[1]);
-    }
-    free(volume);
-    surface_points_free(&p);
-}
-
 /* A fill weight of 0 leaves pixels empty, between which nothing can be interpolated: refused, by name. */
 static void test_no_fill_weight(void **state) {
     rig *r = *state;
@@ -292,9 +257,9 @@ static void test_given_up(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definition),     cmocka_unit_test(test_settings), cmocka_unit_test(test_adjust),
-        cmocka_unit_test(test_no_fill_weight), cmocka_unit_test(test_reach),    cmocka_unit_test(test_dense),
-        cmocka_unit_test(test_given_up),
+        cmocka_unit_test(test_definition),     cmocka_unit_test(test_settings),
+        cmocka_unit_test(test_no_fill_weight), cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_dense),          cmocka_unit_test(test_given_up),
     };
     return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
 }

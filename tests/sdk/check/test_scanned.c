@@ -180,28 +180,9 @@ static void wrong_ranges(void **state) {
     (void)clReleaseMemObject(foreign);
 }
 
-static void wrong_spacing(void **state) {
-    scene *s = *state;
-    const sv_plugin *p = s->r.plugin;
-    const rig_format f = format_of(s);
-    stage *t = rig_stage(&s->r, &f, s->volume);
-    static const float wrong[][3] = {
-        {0.5f, 0.5f, 0.0f}, {-1.0f, 1.0f, 1.0f}, {1.0f, 1.0f / 0.0f, 1.0f}, {0.0f, 0.0f, 0.0f / 0.0f}};
-    for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
-        memcpy(t->format.spacing_mm, wrong[n], sizeof wrong[n]);
-        assert_int_equal(p->activate(p, &t->format), SV_ERR_FORMAT);
-        assert_non_null(strstr(p->last_error(p), "spacing_mm is "));
-    }
-    static const float right[3] = {0.5f, 0.25f, 1.0f};
-    memcpy(t->format.spacing_mm, right, sizeof right);
-    assert_int_equal(p->activate(p, &t->format), SV_OK);
-    p->deactivate(p);
-    rig_stage_free(t);
-}
-
 int main(void) {
 #define SCENE_TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
     const struct CMUnitTest tests[] = {SCENE_TEST(device_is_definition), SCENE_TEST(ranges_are_padding),
-                                       SCENE_TEST(wrong_ranges), SCENE_TEST(wrong_spacing)};
+                                       SCENE_TEST(wrong_ranges)};
     return cmocka_run_group_tests_name("scanned ranges", tests, NULL, NULL);
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Lives of instances: frames repeated, dropped, interleaved; activated a hundred times; destroyed while
- * active; on a machine without a device; with kernels that do not build.
+ * Lives of instances beside what sv_validate tries (frames repeated, broken off and interleaved, many
+ * activations): destroyed while active; formats one after the other; without a device; forked; kernels that
+ * do not build.
  */
 #include "programs/shared_programs.h"
 #include "support/fixture.h"
 
-#include <malloc.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -16,90 +16,6 @@
 #include <unistd.h>
 
 #include <cmocka.h>
-
-static void the_same_frame_twice(void **state) {
-    fixture *f = *state;
-    for (int n = 0; n < 20; n++) {
-        const sv_stats before = f->out.stats;
-        fixture_frame_is_good(f);
-        if (n > 0) assert_memory_equal(&before, &f->out.stats, sizeof before);
-    }
-}
-
-/* begin drops a frame under way, however far it got, and nothing of it shows in the next. */
-static void begin_drops_a_frame(void **state) {
-    fixture *f = *state;
-    uint8_t *other = rig_volume(RIG_EXTREMES, FIXTURE_WIDTH, FIXTURE_HEIGHT, FIXTURE_SLICES, 77);
-    stage *noise = rig_stage(&f->r, &f->how, other);
-    for (uint32_t slabs = 0; slabs <= FIXTURE_SLABS; slabs++) {
-        assert_int_equal(fixture_begin(f), SV_OK);
-        for (uint32_t n = 0; n < slabs; n++) {
-            const sv_slab slab = stage_slab(noise, n);
-            assert_int_equal(f->r.plugin->slab(f->r.plugin, &slab), SV_OK);
-        }
-        fixture_frame_is_good(f);
-    }
-    rig_stage_free(noise);
-    free(other);
-}
-
-/* Two instances of different formats on one queue, call by call in turn. */
-static void two_instances_interleaved(void **state) {
-    fixture *a = *state;
-    void *second = NULL;
-    assert_int_equal(fixture_setup(&second), 0);
-    fixture *b = second;
-    fixture_change(b, (rig_format){.tiles_x = 2, .extra_w = 3});
-    b->textures->format.context = a->r.context;
-    b->textures->format.device = a->r.device;
-    b->textures->format.queue = a->r.queue;
-    assert_int_equal(fixture_activate(b), SV_OK);
-    for (int n = 0; n < 5; n++) {
-        memset(a->out.depth, 0, FIXTURE_RAYS * sizeof(float));
-        memset(b->out.depth, 0, FIXTURE_RAYS * sizeof(float));
-        assert_int_equal(fixture_begin(a), SV_OK);
-        assert_int_equal(fixture_begin(b), SV_OK);
-        for (uint32_t i = 0; i < FIXTURE_SLABS; i++) {
-            assert_int_equal(fixture_slab(a, i), SV_OK);
-            if (n == 3 && i == 1) continue; /* b fails: no business of a's */
-            assert_int_equal(fixture_slab(b, i), n == 3 && i == 2 ? SV_ERR_SLAB_ORDER : SV_OK);
-        }
-        assert_int_equal(fixture_end(b), n == 3 ? SV_ERR_STATE : SV_OK);
-        assert_string_equal(a->r.plugin->last_error(a->r.plugin), "");
-        assert_int_equal(fixture_end(a), SV_OK);
-        assert_int_equal(clFinish(a->r.queue), CL_SUCCESS);
-        assert_memory_equal(a->out.depth, a->good.depth, FIXTURE_RAYS * sizeof(float));
-        if (n != 3) assert_memory_equal(b->out.depth, b->good.depth, FIXTURE_RAYS * sizeof(float));
-    }
-    b->r.plugin->deactivate(b->r.plugin);
-    fixture_frame_is_good(a);
-    assert_int_equal(fixture_teardown(&second), 0);
-}
-
-static size_t heap_in_use(void) {
-    const struct mallinfo2 info = mallinfo2();
-    return info.uordblks + info.hblkhd;
-}
-
-/* After a warm-up the heap must not grow by as much as one activation holds: its timing
- * events alone are 2 KiB, its objects in OpenCL far more. (Under the sanitizers their leak
- * check says the same of every byte.) */
-static void a_hundred_activations(void **state) {
-    fixture *f = *state;
-    enum { WARM = 10, TIMES = 100 };
-    size_t warm = 0;
-    for (int n = 0; n < TIMES; n++) {
-        if (n == WARM) warm = heap_in_use();
-        assert_int_equal(fixture_activate(f), SV_OK);
-        if (n % 10 == 0) fixture_frame_is_good(f);
-        f->r.plugin->deactivate(f->r.plugin);
-    }
-    const size_t now = heap_in_use();
-    const double per_activation = now > warm ? (double)(now - warm) / (TIMES - WARM) : 0.0;
-    print_message("heap growth per activation: %.0f bytes\n", per_activation);
-    if (!getenv("SV_SANITIZE")) assert_true(per_activation < 64 * 1024);
-    fixture_frame_is_good((assert_int_equal(fixture_activate(f), SV_OK), f));
-}
 
 static void destroyed_while_active(void **state) {
     fixture *f = *state;
@@ -278,10 +194,6 @@ int main(int argc, char **argv) {
     self = argv[0];
     if (argc > 1 && strcmp(argv[1], "child_without_device") == 0) return child_without_device();
     const struct CMUnitTest tests[] = {
-        FIXTURE_TEST_ACTIVE(the_same_frame_twice),
-        FIXTURE_TEST_ACTIVE(begin_drops_a_frame),
-        FIXTURE_TEST_ACTIVE(two_instances_interleaved),
-        FIXTURE_TEST(a_hundred_activations),
         FIXTURE_TEST_ACTIVE(destroyed_while_active),
         FIXTURE_TEST(another_format_after_another),
         cmocka_unit_test(no_device),
