@@ -13,18 +13,29 @@ out=$(cd "$4" && pwd)
 seed=${5:-0}
 cd "$(dirname "$0")/.." || exit 1
 
+# words_of NAME: its dictionary, with the words of the sources that read such inputs.
+words_of() {
+    echo "# $1" # an empty dictionary would be an error
+    [ ! -f "tests/fuzz/dict/$1.dict" ] || cat "tests/fuzz/dict/$1.dict"
+    case $1 in
+        scene) grep -ohE '"[a-z][a-z0-9_]*"' data/scenes/*.json | sort -u | sed 's/"/\\"/g; s/.*/"&"/' ;;
+        command) sed -nE 's/^ +\{"([a-z-]+)", .*/"--\1\\x0a"/p' tools/machine/commands/run_line.c lab/report/cmd_report.c | sort -u ;;
+    esac
+}
+export -f words_of
+
 fuzz() { # fuzz NAME
-    local name=$1 corpus=("$out/$1" "tests/fuzz/corpus/$1") words=() start=$SECONDS
+    local name=$1 corpus=("$out/$1" "tests/fuzz/corpus/$1") start=$SECONDS
     mkdir -p "$out/$name" "$out/pocl_cache"
     [ "$name" != scene ] || corpus+=(data/scenes)
-    [ ! -f "tests/fuzz/dict/$name.dict" ] || words=("-dict=tests/fuzz/dict/$name.dict")
+    words_of "$name" > "$out/$name.dict"
     # tests/CMakeLists.txt says why intercept_tls_get_addr=0.
     # Scenes and OpenCL have work to do behind an input, and the machine may be busy: two minutes are a hang all the same.
     if POCL_CACHE_DIR=$out/pocl_cache POCL_SIGFPE_HANDLER=0 \
         ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:allocator_may_return_null=1:intercept_tls_get_addr=0 \
         LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
         "$build/fuzz/fuzz_$name" -max_total_time="$seconds" -seed="$seed" -timeout=120 -rss_limit_mb=4096 -print_final_stats=1 \
-        -artifact_prefix="$out/$name.broken-" "${words[@]}" "${corpus[@]}" > "$out/$name.log" 2>&1; then
+        -artifact_prefix="$out/$name.broken-" -dict="$out/$name.dict" "${corpus[@]}" > "$out/$name.log" 2>&1; then
         echo "fuzz: $name: ok, $(sed -n 's/^stat::number_of_executed_units: *//p' "$out/$name.log") inputs in $((SECONDS - start)) s"
     else
         tail -n 40 "$out/$name.log"
