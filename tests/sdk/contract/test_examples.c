@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the example plugins compute: known volumes give known depths, the one with kernels equals the one on
- * the CPU bit for bit over layouts, carriers, padding and scanned ranges, and adjust equals a new frame.
+ * the CPU bit for bit over layouts, carriers, padding and scanned ranges, and adjust equals a new frame. And
+ * what author_cl.h says of buffers that are too short and of kernels that do not build. What else author.h
+ * refuses, sv_validate tries on both, and the tests of the plugin, which stands on it, hold its words.
  */
+#include "programs/shared_programs.h"
 #include "support/rig.h"
 
 #include <setjmp.h>
@@ -268,12 +271,81 @@ static void adjust_equals_a_frame(void **state) {
     free(volume);
 }
 
+/* ---- refusals of author_cl.h */
+
+static void refused(const rig *r, sv_status status, sv_status expected, const char *text) {
+    const char *reason = r->plugin->last_error(r->plugin);
+    if (status != expected || !strstr(reason, text) || !strstr(r->last_log, text))
+        fail_msg("status %d, expected %d; last_error '%s', log '%s', expected '%s'", status, expected, reason,
+                 r->last_log, text);
+}
+
+static void buffers_that_end_too_early(void **state) {
+    examples *e = *state;
+    const rig *r = &e->kernels;
+    const sv_plugin *p = r->plugin;
+    rig_format f = plain();
+    f.own_queue = false;
+    f.carrier = SV_CARRIER_BUFFER;
+    uint8_t *volume = layers(6, 14);
+    stage *t = rig_stage(r, &f, volume);
+    cl_int code = CL_SUCCESS;
+    cl_mem map = clCreateBuffer(r->context, CL_MEM_READ_WRITE, RAYS * 4, NULL, &code);
+    const sv_frame frame = {.size = sizeof frame};
+    sv_result result = {.size = sizeof result, .depth_object = map, .depth_offset = 4};
+    assert_int_equal(code, CL_SUCCESS);
+    assert_int_equal(p->activate(p, &t->format), SV_OK);
+    sv_slab slab = stage_slab(t, 0);
+    slab.bytes++;
+    assert_int_equal(p->begin(p, &frame), SV_OK);
+    refused(r, p->slab(p, &slab), SV_ERR_SLAB_SHAPE, "are needed from ");
+    for (int n = 0; n < 2; n++) {
+        assert_int_equal(p->begin(p, &frame), SV_OK);
+        for (uint32_t i = 0; i < t->slab_count; i++) {
+            slab = stage_slab(t, i);
+            assert_int_equal(p->slab(p, &slab), SV_OK);
+        }
+        const sv_status status = p->end(p, &result);
+        if (n == 0)
+            refused(r, status, SV_ERR_ARGUMENT, "depth_object has 988 bytes, and 988 are needed from 4 on");
+        else
+            assert_int_equal(status, SV_OK);
+        result.depth_offset = 0;
+    }
+    assert_int_equal(clFinish(r->queue), CL_SUCCESS);
+    assert_int_equal(clReleaseMemObject(map), CL_SUCCESS);
+    p->deactivate(p);
+    rig_stage_free(t);
+    free(volume);
+}
+
+/* A build error names file and line of the kernel, in the reason and in the log, which gets a line at a time
+ * (support/rig.c holds that). */
+static void build_errors_name_lines(void **state) {
+    examples *e = *state;
+    const rig *r = &e->kernels;
+    const rig_format f = plain();
+    uint8_t *volume = layers(6, 14);
+    stage *t = rig_stage(r, &f, volume);
+    shared_programs_options("-Dsorted=1"); /* no name for an array */
+    const unsigned lines = r->log_lines;
+    const sv_status status = r->plugin->activate(r->plugin, &t->format);
+    shared_programs_options(NULL);
+    refused(r, status, SV_ERR_BUILD, rig_is_cpu(r) ? "edge.cl:22:11" : "error");
+    assert_true(r->log_lines > lines + 2);
+    assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
+    r->plugin->deactivate(r->plugin);
+    rig_stage_free(t);
+    free(volume);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(depth_follows_q),        cmocka_unit_test(outliers_and_holes),
-        cmocka_unit_test(a_part_without_surface), cmocka_unit_test(gap_in_millimetres),
-        cmocka_unit_test(only_what_was_scanned),  cmocka_unit_test(kernels_equal_the_cpu),
-        cmocka_unit_test(adjust_equals_a_frame),
+        cmocka_unit_test(depth_follows_q),         cmocka_unit_test(outliers_and_holes),
+        cmocka_unit_test(a_part_without_surface),  cmocka_unit_test(gap_in_millimetres),
+        cmocka_unit_test(only_what_was_scanned),   cmocka_unit_test(kernels_equal_the_cpu),
+        cmocka_unit_test(adjust_equals_a_frame),   cmocka_unit_test(buffers_that_end_too_early),
+        cmocka_unit_test(build_errors_name_lines),
     };
     return cmocka_run_group_tests_name("examples", tests, open_examples, close_examples);
 }
