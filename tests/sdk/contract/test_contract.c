@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The header's rules on calls: every call in every state, NULL where something is needed, structs that are
+ * The header's rules on calls: calls in the wrong state, NULL where something is needed, structs that are
  * too short, ids and flags that nobody knows. A refused call says why, and changes nothing.
  */
 #include "support/fixture.h"
@@ -15,96 +15,47 @@
 
 /* ---- states ---- */
 
-typedef enum {
-    INACTIVE,
-    IDLE,     /* activated */
-    BEGUN,    /* no slab yet */
-    MIDWAY,   /* one slab of three */
-    COMPLETE, /* all slabs */
-    FINISHED, /* end succeeded */
-    FAILED,   /* a slab was refused */
-    STATES
-} phase;
-static const char *const phase_names[] = {"inactive", "idle",     "begun", "midway",
-                                          "complete", "finished", "failed"};
-
-typedef enum { ACTIVATE, BEGIN, SLAB, END, ADJUST, ENABLE, STAGE_TIMES, CALLS } call;
-static const char *const call_names[] = {"activate", "begin",  "slab",       "end",
-                                         "adjust",   "enable", "stage_times"};
-
-/* What each call returns in each state. The slab is the first one: too late in midway and complete. */
-static const sv_status expected[STATES][CALLS] = {
-    /* activate, begin, slab, end, adjust, enable, stage_times */
-    [INACTIVE] = {SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE},
-    [IDLE] = {SV_ERR_STATE, SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
-    [BEGUN] = {SV_ERR_STATE, SV_OK, SV_OK, SV_ERR_SLAB_MISSING, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
-    [MIDWAY] = {SV_ERR_STATE, SV_OK, SV_ERR_SLAB_ORDER, SV_ERR_SLAB_MISSING, SV_ERR_STATE, SV_OK,
-                SV_ERR_STATE},
-    [COMPLETE] = {SV_ERR_STATE, SV_OK, SV_ERR_SLAB_ORDER, SV_OK, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
-    [FINISHED] = {SV_ERR_STATE, SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_OK, SV_OK, SV_ERR_STATE},
-    [FAILED] = {SV_ERR_STATE, SV_OK, SV_ERR_STATE, SV_ERR_STATE, SV_ERR_STATE, SV_OK, SV_ERR_STATE},
-};
-
-/* Brings an instance into a state by correct calls (and one wrong slab for FAILED). */
-static void enter(fixture *f, phase p) {
-    if (p == INACTIVE) return;
-    assert_int_equal(fixture_activate(f), SV_OK);
-    if (p == IDLE) return;
-    assert_int_equal(fixture_begin(f), SV_OK);
-    if (p == BEGUN) return;
-    if (p == FAILED) {
-        assert_int_equal(fixture_slab(f, 1), SV_ERR_SLAB_ORDER);
-        return;
-    }
-    const uint32_t slabs = p == MIDWAY ? 1 : FIXTURE_SLABS;
-    for (uint32_t n = 0; n < slabs; n++) assert_int_equal(fixture_slab(f, n), SV_OK);
-    if (p == FINISHED) assert_int_equal(fixture_end(f), SV_OK);
-}
-
-static sv_status make_call(fixture *f, call c) {
-    const sv_plugin *p = f->r.plugin;
-    const sv_ext_timing *stats = p->get_extension(p, SV_EXT_TIMING);
+static sv_status adjust(fixture *f) {
     const sv_result result = fixture_result(f);
-    sv_stage_times times = {.size = sizeof times};
-    switch (c) {
-    case ACTIVATE:
-        return fixture_activate(f);
-    case BEGIN:
-        return fixture_begin(f);
-    case SLAB:
-        return fixture_slab(f, 0);
-    case END:
-        return fixture_end(f);
-    case ADJUST:
-        return p->adjust(p, NULL, 0, &result);
-    case ENABLE:
-        return stats->enable(p, 0);
-    default:
-        return stats->stage_times(p, &times);
-    }
+    return f->r.plugin->adjust(f->r.plugin, NULL, 0, &result);
 }
 
-static void every_call_in_every_state(void **state) {
+/* A call in the wrong state tells the host that it misbehaves. */
+static void wrong_state(fixture *f, sv_status status, const char *text) {
+    fixture_refused(f, status, SV_ERR_STATE, text);
+    assert_string_equal(f->r.last_log, f->r.plugin->last_error(f->r.plugin));
+    assert_int_equal(f->r.last_severity, SV_LOG_HOST_MISBEHAVING);
+}
+
+/* sv_validate has the table of every call in every state. Here are the words, and the calls of
+ * smartvis.timing/1, which may come while the instance is active and have times behind a frame that was
+ * timed. */
+static void calls_in_the_wrong_state(void **state) {
     fixture *f = *state;
     const sv_plugin *p = f->r.plugin;
-    for (phase in = INACTIVE; in < STATES; in++)
-        for (call c = ACTIVATE; c < CALLS; c++) {
-            enter(f, in);
-            const sv_status status = make_call(f, c);
-            if (status != expected[in][c])
-                fail_msg("%s when %s: status %d, expected %d", call_names[c], phase_names[in], status,
-                         expected[in][c]);
-            const char *reason = p->last_error(p);
-            if ((status < 0) != (reason[0] != '\0')) fail_msg("status %d, last_error '%s'", status, reason);
-            if (status == SV_ERR_STATE) {
-                assert_string_equal(f->r.last_log, reason);
-                assert_int_equal(f->r.last_severity, SV_LOG_HOST_MISBEHAVING);
-            }
-            assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
-            if (in == INACTIVE && c != ACTIVATE) continue;
-            fixture_frame_is_good(f); /* whatever happened, a frame still works */
-            p->deactivate(p);
-        }
+    const sv_ext_timing *timing = p->get_extension(p, SV_EXT_TIMING);
+    sv_stage_times times = {.size = sizeof times};
+    wrong_state(f, fixture_begin(f), "begin: ");
+    wrong_state(f, fixture_slab(f, 0), "slab: ");
+    wrong_state(f, fixture_end(f), "end: ");
+    wrong_state(f, adjust(f), "adjust: ");
+    wrong_state(f, timing->enable(p, 0), "timing: not active");
+    wrong_state(f, timing->stage_times(p, &times), "stage_times: ");
+    assert_int_equal(fixture_activate(f), SV_OK);
+    wrong_state(f, fixture_activate(f), "activate: ");
+    wrong_state(f, adjust(f), "adjust: ");
+    for (uint32_t n = 0; n <= FIXTURE_SLABS; n++) { /* idle, begun, midway, complete */
+        assert_int_equal(timing->enable(p, 0), SV_OK);
+        wrong_state(f, timing->stage_times(p, &times), "stage_times: ");
+        if (n == 0) assert_int_equal(fixture_begin(f), SV_OK);
+        if (n < FIXTURE_SLABS) assert_int_equal(fixture_slab(f, n), SV_OK);
+    }
+    assert_int_equal(fixture_end(f), SV_OK);
+    wrong_state(f, timing->stage_times(p, &times), "stage_times: "); /* it was not timed */
+    assert_int_equal(timing->enable(p, 0), SV_OK);
+    assert_int_equal(adjust(f), SV_OK);
+    assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+    fixture_frame_is_good(f);
 }
 
 /* A call in the wrong state leaves the frame under way as it is. */
@@ -112,8 +63,8 @@ static void a_refused_call_changes_nothing(void **state) {
     fixture *f = *state;
     assert_int_equal(fixture_begin(f), SV_OK);
     for (uint32_t n = 0; n < FIXTURE_SLABS; n++) {
-        fixture_refused(f, make_call(f, ACTIVATE), SV_ERR_STATE, "activate: the instance is active");
-        assert_int_equal(make_call(f, ADJUST), SV_ERR_STATE);
+        fixture_refused(f, fixture_activate(f), SV_ERR_STATE, "activate: the instance is active");
+        assert_int_equal(adjust(f), SV_ERR_STATE);
         assert_int_equal(fixture_slab(f, n), SV_OK);
     }
     assert_int_equal(fixture_end(f), SV_OK);
@@ -123,7 +74,7 @@ static void a_refused_call_changes_nothing(void **state) {
     const sv_param_value wrong = {rig_param(&f->r, "q"), 0, 9.0};
     const sv_result result = fixture_result(f);
     fixture_refused(f, f->r.plugin->adjust(f->r.plugin, &wrong, 1, &result), SV_ERR_PARAM_RANGE, "q is 9");
-    assert_int_equal(make_call(f, ADJUST), SV_OK);
+    assert_int_equal(adjust(f), SV_OK);
     assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
     assert_memory_equal(f->out.depth, f->good.depth, FIXTURE_RAYS * sizeof(float));
 }
@@ -285,7 +236,7 @@ static void unknown_ids_and_flags(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        FIXTURE_TEST(every_call_in_every_state),    FIXTURE_TEST_ACTIVE(a_refused_call_changes_nothing),
+        FIXTURE_TEST(calls_in_the_wrong_state),     FIXTURE_TEST_ACTIVE(a_refused_call_changes_nothing),
         FIXTURE_TEST(deactivate_when_inactive),     FIXTURE_TEST(null_arguments),
         FIXTURE_TEST(a_host_without_services),      FIXTURE_TEST_ACTIVE(structs_too_short),
         FIXTURE_TEST_ACTIVE(unknown_ids_and_flags), FIXTURE_TEST_ACTIVE(only_known_bytes_are_touched),
