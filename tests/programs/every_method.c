@@ -7,32 +7,20 @@
  */
 #include "smartvis/confidence.h"
 #include "smartvis/lookup.h"
-#include "smartvis_plugin.h"
+#include "stage/stage.h"
 
-#define CL_TARGET_OPENCL_VERSION 120
-#include <CL/cl.h>
 #include <dlfcn.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* With "small" a corner of it, for simulators that take a thousand times as long. */
-enum { WIDTH = 40, HEIGHT = 28, SLICES = 48, SLAB = 11, RAYS = WIDTH * HEIGHT, PITCH = WIDTH * SLAB };
+enum { WIDTH = 40, HEIGHT = 28, SLICES = 48, SLAB = 11, RAYS = WIDTH * HEIGHT };
 enum { SMALL_WIDTH = 11, SMALL_HEIGHT = 7 };
 
-typedef struct {
-    cl_device_id device;
-    cl_context context;
-    cl_command_queue queue;
-    cl_mem slabs[SLICES / SLAB + 1];
-    int images;
-} device;
-
-static uint8_t textures[SLICES / SLAB + 1][HEIGHT][PITCH]; /* the slices of a slab side by side */
+static uint8_t voxels[SLICES * RAYS];
 static sv_scanned scanned[RAYS];
-static float depth[RAYS], adjusted[RAYS], confidences[RAYS];
-static uint8_t points[RAYS];
+static float adjusted[RAYS], confidences[RAYS];
 static uint32_t width = WIDTH, height = HEIGHT;
 static const char *only; /* one method; NULL: all */
 static int small, failures;
@@ -40,25 +28,31 @@ static int small, failures;
 /* Skin, fluid and fetus with bright bone behind it, speckled; at the left there is no fluid. */
 static void make_volume(void) {
     uint32_t random = 1;
+    uint8_t *next = voxels;
     for (uint32_t z = 0; z < SLICES; z++)
-        for (uint32_t y = 0; y < HEIGHT; y++)
-            for (uint32_t x = 0; x < WIDTH; x++) {
+        for (uint32_t y = 0; y < height; y++)
+            for (uint32_t x = 0; x < width; x++) {
                 const uint32_t near = 9 + x / 10, far = near + (x < width / 8 ? 0 : 14 + (x / 6 + y / 5) % 4);
                 const uint32_t grey = z < near ? 110 : z < far ? 8 : z < far + 6 ? 130 : 225;
                 random = random * 1664525u + 1013904223u;
-                textures[z / SLAB][y][z % SLAB * WIDTH + x] = (uint8_t)(grey + (random >> 24) % 24);
+                *next++ = (uint8_t)(grey + (random >> 24) % 24);
             }
     for (uint32_t i = 0; i < width * height; i++)
         scanned[i] = (sv_scanned){(uint16_t)(i % 3), (uint16_t)(SLICES - i % width / 8)};
 }
 
-static void must(cl_int code, const char *call) {
-    if (code == CL_SUCCESS) return;
-    (void)fprintf(stderr, "every_method: %s: OpenCL error %d\n", call, (int)code);
+static void failed(void *data, const char *what, cl_int code) {
+    (void)data;
+    (void)fprintf(stderr, "every_method: %s: OpenCL error %d\n", what, (int)code);
     exit(1);
 }
 
-static void open_device(device *d) {
+static void must(cl_int code, const char *call) {
+    if (code != CL_SUCCESS) failed(NULL, call, code);
+}
+
+/* False if it has no images. */
+static bool open_device(stage_device *d) {
     cl_platform_id platform;
     char text[256];
     cl_bool images = CL_FALSE;
@@ -71,73 +65,31 @@ static void open_device(device *d) {
     (void)fprintf(stderr, "%s\n", text);
     must(clGetDeviceInfo(d->device, CL_DEVICE_IMAGE_SUPPORT, sizeof images, &images, NULL),
          "clGetDeviceInfo");
-    d->images = images == CL_TRUE;
     d->context = clCreateContext(NULL, 1, &d->device, NULL, NULL, &code);
     must(code, "clCreateContext");
     d->queue = clCreateCommandQueue(d->context, d->device, 0, &code);
     must(code, "clCreateCommandQueue");
+    return images == CL_TRUE;
 }
 
-static void close_device(const device *d) {
+static void close_device(const stage_device *d) {
     must(clReleaseCommandQueue(d->queue), "clReleaseCommandQueue");
     must(clReleaseContext(d->context), "clReleaseContext");
 }
 
-/* The volume as the carrier wants it; nothing with SV_CARRIER_HOST. */
-static void make_slabs(device *d, uint32_t carrier) {
-    static const cl_image_format format = {CL_R, CL_UNORM_INT8};
-    static const cl_image_desc image = {
-        .image_type = CL_MEM_OBJECT_IMAGE2D, .image_width = PITCH, .image_height = HEIGHT};
-    const cl_mem_flags flags = CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR;
-    for (uint32_t i = 0; i * SLAB < SLICES; i++) {
-        cl_int code = CL_SUCCESS;
-        d->slabs[i] = NULL;
-        if (carrier == SV_CARRIER_BUFFER)
-            d->slabs[i] = clCreateBuffer(d->context, flags, sizeof textures[i], textures[i], &code);
-        if (carrier == SV_CARRIER_IMAGE)
-            d->slabs[i] = clCreateImage(d->context, flags, &format, &image, textures[i], &code);
-        must(code, "clCreateBuffer or clCreateImage");
-    }
-}
-
-static void free_slabs(const device *d) {
-    for (uint32_t i = 0; i * SLAB < SLICES; i++)
-        if (d->slabs[i]) must(clReleaseMemObject(d->slabs[i]), "clReleaseMemObject");
-}
-
-static sv_status enqueue_slabs(const sv_plugin *p, const device *d) {
-    sv_status status = SV_OK;
-    for (uint32_t z = 0; z < SLICES && status >= SV_OK; z += SLAB) {
-        const cl_mem object = d->slabs[z / SLAB];
-        const sv_slab slab = {.size = sizeof slab,
-                              .first_slice = z,
-                              .slice_count = SLICES - z < SLAB ? SLICES - z : SLAB,
-                              .memory = object ? NULL : textures[z / SLAB],
-                              .object = object,
-                              .bytes = sizeof textures[0]};
-        status = p->slab(p, &slab);
-    }
-    return status;
-}
-
-/* A frame, the same with q = 0.7, and the confidence map if there is one; *outcome is the frame's. */
-static sv_status run_frame(const sv_plugin *p, const device *d, sv_status *outcome) {
+/* A frame, the same with q = 0.7, and the confidence map if there is one. */
+static sv_status run_frame(const sv_plugin *p, const stage *st, const sv_result *result) {
     sv_param_info q;
-    sv_stats stats = {.size = sizeof stats}, again = stats;
-    const sv_frame frame = {.size = sizeof frame, .index = 1, .scanned = scanned};
-    const sv_result result = {.size = sizeof result, .depth = depth, .status = points, .stats = &stats};
+    sv_stats again = {.size = sizeof again};
     const sv_result second = {.size = sizeof second, .depth = adjusted, .stats = &again};
     const sv_ext_confidence *confidence = p->get_extension(p, SV_EXT_CONFIDENCE);
     memset(confidences, 0, sizeof confidences);
-    sv_status status = p->begin(p, &frame);
-    if (status >= SV_OK) status = enqueue_slabs(p, d);
-    if (status >= SV_OK) status = p->end(p, &result);
+    sv_status status = stage_run(st, p, NULL, 0, result);
     if (status >= SV_OK && confidence && confidence->offered(p))
         status = confidence->write(p, confidences, NULL, 0);
     if (status >= SV_OK && sv_lookup_key(p, "q", &q))
         status = p->adjust(p, &(sv_param_value){.id = q.id, .value = 0.7}, 1, &second);
-    must(clFinish(d->queue), "clFinish");
-    *outcome = stats.outcome;
+    must(clFinish(st->device.queue), "clFinish");
     return status;
 }
 
@@ -147,54 +99,50 @@ static uint64_t sum_of(const void *data, size_t bytes, uint64_t sum) {
     return sum;
 }
 
-static uint64_t sum_of_results(void) {
+static uint64_t sum_of_results(const sv_result *result) {
+    const size_t rays = (size_t)width * height;
     uint64_t sum = UINT64_C(14695981039346656037);
-    sum = sum_of(depth, sizeof depth, sum);
-    sum = sum_of(adjusted, sizeof adjusted, sum);
-    sum = sum_of(confidences, sizeof confidences, sum);
-    return sum_of(points, sizeof points, sum);
+    sum = sum_of(result->depth, rays * sizeof(float), sum);
+    sum = sum_of(adjusted, rays * sizeof(float), sum);
+    sum = sum_of(confidences, rays * sizeof(float), sum);
+    return sum_of(result->status, rays, sum);
 }
 
-static void try_one(const sv_plugin *p, device *d, uint32_t carrier, const sv_param_value values[2],
-                    const char *label) {
+static void try_one(const sv_plugin *p, const stage_device *d, uint32_t carrier,
+                    const sv_param_value values[2], const char *label) {
     static const char *const carriers[] = {"", "host", "buffer", "image"};
-    const sv_format format = {.size = sizeof format,
-                              .width = width,
-                              .height = height,
-                              .slices = SLICES,
-                              .max_slab_slices = SLAB,
-                              .voxel_type = SV_VOXEL_U8,
-                              .carrier = carrier,
-                              .padding_value = SV_NO_PADDING,
-                              .tiles_x = SLAB,
-                              .tile_w = WIDTH,
-                              .tile_h = HEIGHT,
-                              .row_pitch = PITCH,
-                              .spacing_mm = {1, 1, 1},
-                              .flags = SV_FORMAT_SCANNED,
-                              .context = d->context,
-                              .device = d->device,
-                              .queue = d->queue,
-                              .values = values,
-                              .value_count = 2};
-    sv_status outcome = SV_ERR_INTERNAL;
-    make_slabs(d, carrier);
-    sv_status status = p->activate(p, &format);
-    if (status >= SV_OK) {
-        status = run_frame(p, d, &outcome);
-        if (status < SV_OK) (void)fprintf(stderr, "every_method: %s: %s\n", label, p->last_error(p));
-        p->deactivate(p);
-    } else {
-        (void)fprintf(stderr, "every_method: %s: %s\n", label, p->last_error(p));
-    }
-    free_slabs(d);
+    static stage st;
+    const stage_way way = {.width = width,
+                           .height = height,
+                           .slices = SLICES,
+                           .longest = SLAB,
+                           .tiles_x = SLAB,
+                           .extra_w = WIDTH - width,
+                           .extra_h = HEIGHT - height,
+                           .carrier = carrier,
+                           .ranges = true,
+                           .spacing_mm = {1, 1, 1},
+                           .padding = SV_NO_PADDING,
+                           .fixed = {values[0], values[1]},
+                           .fixed_count = 2};
+    stage_make(&st, &way, d, failed, NULL);
+    stage_fill(&st, voxels, scanned);
+    stage_poison(&st, 0);
+    const sv_result result = stage_result(&st);
+    sv_status status = p->activate(p, &st.format);
+    const bool active = status >= SV_OK;
+    if (active) status = run_frame(p, &st, &result);
+    if (status < SV_OK) (void)fprintf(stderr, "every_method: %s: %s\n", label, p->last_error(p));
+    if (active) p->deactivate(p);
     failures += status < SV_OK;
     (void)printf("%-20s %-6s outcome %d, results %016llx\n", label, carriers[carrier],
-                 (int)(status < SV_OK ? status : outcome), (unsigned long long)sum_of_results());
+                 (int)(status < SV_OK ? status : result.stats->outcome),
+                 (unsigned long long)sum_of_results(&result));
     (void)fflush(stdout);
+    stage_free(&st);
 }
 
-static void try_all(const sv_plugin *p, device *d) {
+static void try_all(const sv_plugin *p, const stage_device *d, bool images) {
     sv_param_info method, strategy;
     if (!sv_lookup_key(p, "method", &method) || !sv_lookup_key(p, "strategy", &strategy)) {
         (void)fprintf(stderr, "every_method: %s has no methods and layouts\n", p->descriptor->id);
@@ -218,7 +166,7 @@ static void try_all(const sv_plugin *p, device *d) {
             try_one(p, d, SV_CARRIER_BUFFER, values, label);
             if (m > method.min_value) continue; /* how the slabs come is the same for all methods */
             try_one(p, d, SV_CARRIER_HOST, values, label);
-            if (d->images) try_one(p, d, SV_CARRIER_IMAGE, values, label);
+            if (images) try_one(p, d, SV_CARRIER_IMAGE, values, label);
         }
 }
 
@@ -238,15 +186,15 @@ int main(int argc, char **argv) {
     }
     const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "every_method", "1", print_log, NULL};
     const sv_plugin *p = NULL;
-    device d = {0};
+    stage_device d;
     if (small) {
         width = SMALL_WIDTH;
         height = SMALL_HEIGHT;
     }
     make_volume();
-    open_device(&d);
+    const bool images = open_device(&d);
     if (entry->create(&host, entry->descriptor(0)->id, &p) != SV_OK) return 1;
-    try_all(p, &d);
+    try_all(p, &d, images);
     p->destroy(p);
     close_device(&d);
     return failures > 0;
