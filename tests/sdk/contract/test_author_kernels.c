@@ -55,38 +55,38 @@ static const sva_method whole = {.descriptor = &descriptor,
                                  .finish = place,
                                  .output = sva_cl_output};
 
+static void no_stage(void *data, const char *what, cl_int code) {
+    (void)data;
+    fail_msg("%s: OpenCL error %d", what, (int)code);
+}
+
 /* The first error of an activation and a frame with this method, or "". */
 static const char *run(const sva_method *method) {
     static const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "test", "1", NULL, NULL};
-    static uint8_t volume[WIDTH * HEIGHT * SLICES];
-    static float map[WIDTH * HEIGHT];
+    static const uint8_t volume[WIDTH * HEIGHT * SLICES];
     static char reason[512];
-    const sv_format format = {.size = sizeof format,
-                              .width = WIDTH,
-                              .height = HEIGHT,
-                              .slices = SLICES,
-                              .max_slab_slices = SLICES,
-                              .voxel_type = SV_VOXEL_U8,
-                              .carrier = SV_CARRIER_HOST,
-                              .padding_value = SV_NO_PADDING,
-                              .tiles_x = 1,
-                              .tile_w = WIDTH,
-                              .tile_h = HEIGHT,
-                              .row_pitch = WIDTH};
-    const sv_frame frame = {.size = sizeof frame};
-    const sv_slab slab = {
-        .size = sizeof slab, .slice_count = SLICES, .memory = volume, .bytes = sizeof volume};
-    const sv_result result = {.size = sizeof result, .depth = map};
+    static stage st;
+    const stage_way way = {.width = WIDTH,
+                           .height = HEIGHT,
+                           .slices = SLICES,
+                           .longest = SLICES,
+                           .tiles_x = 1,
+                           .carrier = SV_CARRIER_HOST,
+                           .own_queue = true,
+                           .padding = SV_NO_PADDING};
     const sv_plugin *p = NULL;
     if (sva_create(method, &host, "test.kernels", &p) != SV_OK) return "create";
-    sv_status status = p->activate(p, &format);
+    stage_make(&st, &way, NULL, no_stage, NULL);
+    stage_fill(&st, volume, NULL);
+    stage_poison(&st, STAGE_POISON);
+    const sv_result result = stage_result(&st);
+    sv_status status = p->activate(p, &st.format);
     const int active = status == SV_OK;
-    if (active) status = p->begin(p, &frame);
-    if (status == SV_OK) status = p->slab(p, &slab);
-    if (status == SV_OK) status = p->end(p, &result);
+    if (active) status = stage_run(&st, p, NULL, 0, &result);
     (void)snprintf(reason, sizeof reason, "%s", status < 0 ? p->last_error(p) : "");
     if (active) p->deactivate(p);
     p->destroy(p);
+    stage_free(&st);
     return reason;
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Recordings (tools/sdk/record/): what passes between host and plugin comes back as it was, from every
- * carrier; a ring keeps the last frames; without voxels nothing of them is in the file; and what is cut off
- * or damaged at any byte is told, and never read as if it were whole.
+ * carrier; a ring keeps the last frames; and what is cut off or damaged at any byte is told, and never read as
+ * if it were whole.
  */
 #include "record/rec.h"
 #include "record/rec_item.h"
@@ -261,28 +261,6 @@ static void write_file(const char *path, const uint8_t *bytes, size_t size) {
     assert_int_equal(fclose(f), 0);
 }
 
-static void without_voxels_nothing_of_them_is_there(void **state) {
-    rig *r = *state;
-    scene s;
-    uint8_t *with, *without;
-    open_scene(&s, r, "");
-    record_frames(&s, (rig_format){0}, 2);
-    close_scene(&s);
-    const size_t large = read_file(s.path, &with);
-    open_scene(&s, r, "voxels=no, frames=9");
-    record_frames(&s, (rig_format){0}, 2);
-    rec_close(s.recording);
-    const census c = read_all(s.path, &s);
-    if (!c.whole) fail_msg("%s", c.error);
-    assert_int_equal(c.kinds[RC_SLAB], 6);
-    const size_t small = read_file(s.path, &without);
-    assert_true(small + 1000 < large && small < 12000);
-    free(with);
-    free(without);
-    free(s.volume);
-    (void)remove(s.path);
-}
-
 /* Writes one byte in place. A file that is written anew each time would wait for the disk. */
 static void poke(const char *path, size_t at, uint8_t byte) {
     FILE *f = fopen(path, "r+b");
@@ -418,7 +396,6 @@ int main(void) {
         RIG_TEST(carriers_come_back),
         RIG_TEST(an_old_one_is_read),
         RIG_TEST(a_ring_keeps_the_last),
-        RIG_TEST(without_voxels_nothing_of_them_is_there),
         RIG_TEST(what_is_not_whole_is_told),
         RIG_TEST(a_fork_adds_nothing),
         cmocka_unit_test(what_was_not_finished_is_kept),
