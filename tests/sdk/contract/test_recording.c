@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Recordings (tools/sdk/record/): what passes between host and plugin comes back as it was, from every
- * carrier; a ring keeps the last frames; and what is cut off or damaged at any byte is told, and never read as
- * if it were whole.
+ * carrier; a ring keeps the last frames; and what is cut off or damaged at any byte is told, and never read
+ * as if it were whole.
  */
 #include "record/rec.h"
 #include "record/rec_item.h"
@@ -393,12 +393,9 @@ static void options_are_checked(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        RIG_TEST(carriers_come_back),
-        RIG_TEST(an_old_one_is_read),
-        RIG_TEST(a_ring_keeps_the_last),
-        RIG_TEST(what_is_not_whole_is_told),
-        RIG_TEST(a_fork_adds_nothing),
-        cmocka_unit_test(what_was_not_finished_is_kept),
+        RIG_TEST(carriers_come_back),          RIG_TEST(an_old_one_is_read),
+        RIG_TEST(a_ring_keeps_the_last),       RIG_TEST(what_is_not_whole_is_told),
+        RIG_TEST(a_fork_adds_nothing),         cmocka_unit_test(what_was_not_finished_is_kept),
         cmocka_unit_test(options_are_checked),
     };
     return cmocka_run_group_tests_name("recording", tests, NULL, NULL);
