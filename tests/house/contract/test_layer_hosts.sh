@@ -46,7 +46,7 @@ wrong frame_builds queue_host 'frame-path-time: begin: took [0-9.]+ ms' 1
 
 # --- the simulated machine
 SMARTVIS_CHECK_PLUGIN=$build/smartvis.so
-run=("$build/host_sim" run --scene E01 --size 64 --frames 4 --plugin "$layer" --verbose --guard-time 300,300 --out "$work/out")
+run=("$build/host_sim" run --scene E01 --size 64 --frames 4 --picture 64 --panel 64 --plugin "$layer" --verbose --guard-time 300,300 --out "$work/out")
 for way in "--carrier buffer --no-guard" "--carrier host --no-guard" "--carrier image --no-guard" "--own-queue --no-guard" \
     "--orbit 40 --live --no-guard" "--guard"; do
     # shellcheck disable=SC2086

@@ -49,7 +49,7 @@ holds code 2 "${run[@]}" --no-such-option
 holds code 3 "$build/host_sim" info "$0"
 holds code 4 "${run[@]}" --plugin "$0"
 OCL_ICD_VENDORS=$work/nothing holds code 5 "${run[@]}"
-holds code 6 "$build/host_sim" run --scene E01 --size 32 --out "$0/folder"
+holds code 6 "$build/host_sim" run --scene E01 --size 32 --picture 64 --out "$0/folder"
 
 # --- versions of files
 holds grep -q "^#define REC_VERSION 2u " "$source_dir/tools/sdk/record/rec_item.h"
