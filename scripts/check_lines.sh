@@ -1,0 +1,19 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# check_lines.sh [--write]: lines of text a part of the house may have, by scripts/lines.txt; exit code 1 if one has more. A change
+# that makes a part grow makes it or another smaller, or raises the number in a commit that says why. --write: as it is now.
+# Left out, since nobody reads it: ABI dumps, the fuzzers' corpus, lists of versions for pip, pictures.
+set -eu
+cd "$(dirname "$0")/.."
+git rev-parse --git-dir > /dev/null 2>&1 || { echo "lines: no git, so nothing is counted"; exit 0; }
+counted=$(git grep -Ic '' -- . ':!abi/*.abi' ':!tests/fuzz/corpus' ':!python/requirements-*.txt' ':!*.svg' | awk -F: '
+    { part = "rest" }
+    $1 ~ /^(include|src|cl|examples|bindings|abi|tools\/sdk|tests\/sdk|tests\/programs)\// { part = "sdk" }
+    $1 ~ /^(host_sim|data|python|tools\/machine|tests\/machine)\// { part = "machine" }
+    $1 ~ /^(lab|tests\/lab)\// { part = "lab" }
+    { lines[part] += $2; lines["all"] += $2 }
+    END { for (part in lines) print part, lines[part] }' | sort)
+[ "${1:-}" != --write ] || echo "$counted" > scripts/lines.txt
+join <(sort scripts/lines.txt) <(echo "$counted") | awk '
+    $3 > $2 { print "lines: " $1 ": " $3 ", at most " $2 " (scripts/lines.txt)"; bad = 1 }
+    END { exit bad || NR != 5 }'
