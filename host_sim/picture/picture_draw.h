@@ -47,10 +47,6 @@ double hs_tick_step(double range, unsigned max_ticks);
 bool hs_picture_text(hs_picture *picture, double x, double y, double size, uint32_t colour, hs_align align,
                      double max_width, const char *text, hs_error *err);
 
-/* A straight line between two points; pixel centres are at halves. */
-bool hs_picture_line(hs_picture *picture, double x0, double y0, double x1, double y1, double width,
-                     uint32_t colour, hs_error *err);
-
 /* Frees what cairo and fontconfig keep for the whole process (fonts), so that a leak checker finds nothing.
  * Once, at the end of the program, when no other thread draws. */
 void hs_picture_finish(void);

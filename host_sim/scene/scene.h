@@ -112,11 +112,6 @@ typedef struct {
 bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_scene_data *out,
                     hs_scene_times *times, hs_error *err);
 
-/* Opens, makes frame 0 and closes. `size` is the number of voxels per axis (32 .. 512);
- * seed 0 takes the scene's own. */
-bool hs_scene_generate(const char *name_or_path, uint32_t size, uint64_t seed, hs_scene_data *out,
-                       hs_error *err);
-
 /* Initial points of a scene, to judge whether it poses its problem; the plugin is not asked. */
 enum { HS_POINT_NONE = 0, HS_POINT_WRONG = 1, HS_POINT_RIGHT = 2 };
 

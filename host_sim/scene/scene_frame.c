@@ -270,17 +270,6 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
     return ok;
 }
 
-bool hs_scene_generate(const char *name_or_path, uint32_t size, uint64_t seed, hs_scene_data *out,
-                       hs_error *err) {
-    memset(out, 0, sizeof *out);
-    hs_scene *scene = hs_scene_open(name_or_path, err);
-    if (!scene) return false;
-    const hs_scene_options options = {.size = size, .seed = seed};
-    bool ok = hs_scene_frame(scene, &options, out, NULL, err);
-    hs_scene_close(scene);
-    return ok;
-}
-
 void hs_scene_free(hs_scene_data *data) {
     hs_volume_free(&data->full);
     hs_volume_free(&data->truth);

@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/compare.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "support/unit.h"
 
-#include <cmocka.h>
+#include <math.h>
 
 /* Slices by which the fixed-point filter may differ from the float64 definition after `passes` passes. */
 static double bound_of(const sv_ref_volume *volume, const rig_settings *s, sv_fixed format, uint32_t passes) {

@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/fixture.h"
-#include <stdio.h>
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 int fixture_setup(void **state) {
     fixture *f = calloc(1, sizeof *f);

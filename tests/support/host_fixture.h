@@ -5,15 +5,7 @@
 
 #include "render/camera.h"
 #include "render/host_cl.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 /* xorshift: the same volumes on every machine. */
 typedef struct {

@@ -2,15 +2,9 @@
 #include "support/layer_fixture.h"
 
 #include "smartvis/confidence.h"
+#include "support/unit.h"
 
 #include <dlfcn.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 const char *layer_build(void) {
     const char *folder = getenv("SV_BUILD_DIR");

@@ -2,7 +2,6 @@
 #include "support/lit_shapes.h"
 
 #include <math.h>
-#include <string.h>
 
 #define EXTENT  100.0 /* mm */
 #define PICTURE 256u

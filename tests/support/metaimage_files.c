@@ -9,7 +9,6 @@
 static char files_folder[64];
 
 int files_setup(void **state) {
-    (void)state;
     (void)snprintf(files_folder, sizeof files_folder, "/tmp/sv_metaimage_XXXXXX");
     return mkdtemp(files_folder) ? 0 : -1;
 }
@@ -32,7 +31,6 @@ const char *files_path(const char *name) {
 }
 
 int files_teardown(void **state) {
-    (void)state;
     DIR *folder = opendir(files_folder);
     if (!folder) return -1;
     for (struct dirent *entry; (entry = readdir(folder)) != NULL;) (void)unlink(files_path(entry->d_name));

@@ -3,15 +3,8 @@
 #ifndef METAIMAGE_FILES_H
 #define METAIMAGE_FILES_H
 
+#include "support/unit.h"
 #include "volume/metaimage.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 /* cmocka group setup and teardown: a new folder, and all that is in it gone. */
 int files_setup(void **state);

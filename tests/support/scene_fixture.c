@@ -27,13 +27,6 @@ void one_tissue_field(hs_field *field, uint32_t n, float h, hs_tissue tissue) {
     for (size_t i = 0; i < count; i++) field->diffuse[i] = field->coherent[i] = HS_LEVEL_SILENT;
 }
 
-void assert_near_at(double found, double expected, double tolerance, const char *what, const char *file,
-                    int line) {
-    if (fabs(found - expected) <= tolerance) return;
-    print_error("%s is %g, expected %g +- %g\n", what, found, expected, tolerance);
-    _fail(file, line);
-}
-
 double level_db(int16_t level) {
     return (double)level / HS_LEVEL_ONE;
 }

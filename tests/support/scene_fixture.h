@@ -7,16 +7,8 @@
 #include "scene/scene_field.h"
 #include "scene/scene_random.h"
 #include "scene/scene_spec.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/near.h"
+#include "support/unit.h"
 
 enum { SCENE_CASES = 9 };
 extern const char *const scene_cases[SCENE_CASES];
@@ -34,12 +26,6 @@ void empty_spec(hs_scene_spec *spec);
 /* A cube of n^3 voxels of h mm, all of one tissue, far from any surface, with silent
  * interfaces. hs_field_free it. */
 void one_tissue_field(hs_field *field, uint32_t n, float h, hs_tissue tissue);
-
-/* Like assert_float_equal, in double. */
-#define assert_near(found, expected, tolerance)                                                              \
-    assert_near_at(found, expected, tolerance, #found, __FILE__, __LINE__)
-void assert_near_at(double found, double expected, double tolerance, const char *what, const char *file,
-                    int line);
 
 /* Converts a level to dB. */
 double level_db(int16_t level);

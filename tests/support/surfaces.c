@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/surfaces.h"
 
+#include "support/unit.h"
+
 #include <assert.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 int surface_next(int method) {
     while (++method < SV_METHOD_END)

@@ -5,13 +5,9 @@
 #define WALL_FIXTURE_H
 
 #include "ref/ref_wall.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { N = 64, PIXELS = N * N, RAYS = 4 * PIXELS };
 static const double MM = 1.875; /* of a voxel: the cube is 120 mm wide */

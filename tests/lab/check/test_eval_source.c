@@ -2,16 +2,10 @@
 /* Cases from files with maps of what was scanned: a scene of ours, written as `scenes --export` does. */
 #include "eval/eval_case.h"
 #include "scene/scene_export.h"
+#include "support/scene_fixture.h"
 #include "volume/metaimage_write.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { N = 32, RAYS = N * N, TEXT = 300 };
 
@@ -51,7 +45,7 @@ static int make_files(void **state) {
     assert_non_null(f);
     (void)strcpy(f->folder, "/tmp/eval_source_XXXXXX");
     assert_non_null(mkdtemp(f->folder));
-    if (!hs_scene_generate("D01", N, 7, &f->scene, &err)) fail_msg("%s", err.text);
+    make_scene("D01", N, 2, 7, 0, &f->scene, NULL);
     /* Black fluid: zeros that the maps must tell from what was not scanned. */
     for (size_t i = 0; i < (size_t)RAYS * N; i++)
         if (f->scene.full.voxels[i] < 20) f->scene.full.voxels[i] = 0;

@@ -85,7 +85,6 @@ static void centre_of(const hs_volume *v, uint32_t x, uint32_t y, uint32_t z, do
 /* Within half a grey level, which is the rounding, for all voxels; and what was scanned is what the reference
  * says, for every voxel that is not within a billionth of a sample of the border. */
 static void cartesian_copy_is_the_reference(void **state) {
-    (void)state;
     for (size_t g = 0; g < GEOMETRIES; g++) {
         hs_volume v = make_volume(&geometries[g], 0.83, NULL);
         size_t scanned = 0;
@@ -113,7 +112,6 @@ static double slope(const double p[3]) {
 /* Unlike geometries that saw the same tissue show it in the same places: what is in a voxel is what is there,
  * by the forward formulae, to what a line's steps and the rounding of echoes lose. */
 static void tissue_is_where_it_was(void **state) {
-    (void)state;
     for (size_t g = 0; g < GEOMETRIES; g++) {
         hs_volume v = make_volume(&geometries[g], 0.9, slope);
         const hs_beams *b = v.beams;
@@ -137,7 +135,6 @@ static void tissue_is_where_it_was(void **state) {
 
 /* Points behind the sweep's axis and behind the array have tangents of points in the fan. */
 static void ghosts_are_not_scanned(void **state) {
-    (void)state;
     hs_beams *b = make_beams(&geometries[0]);
     double index[3], place[3];
     for (uint32_t i = 0; i < b->samples; i += 7) {
@@ -154,7 +151,6 @@ static void ghosts_are_not_scanned(void **state) {
 
 /* The box touches what was scanned on all six sides, and the copy holds all of it. */
 static void box_holds_the_fan(void **state) {
-    (void)state;
     for (size_t g = 0; g < GEOMETRIES; g++) {
         double low[3], high[3], seen_low[3] = {1e9, 1e9, 1e9}, seen_high[3] = {-1e9, -1e9, -1e9};
         hs_volume v = make_volume(&geometries[g], 0.7, NULL);
@@ -182,7 +178,6 @@ static void box_holds_the_fan(void **state) {
 }
 
 static void spacing_is_bounded(void **state) {
-    (void)state;
     hs_volume v;
     hs_error err = {0};
     hs_beams *b = make_beams(&geometries[0]);

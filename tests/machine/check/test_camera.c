@@ -16,7 +16,6 @@ static hs_volume shape(uint32_t nx, uint32_t ny, uint32_t nz, double sx, double 
 }
 
 static void test_straight_view_is_the_volume(void **state) {
-    (void)state;
     const hs_volume volume = shape(10, 20, 30, 1.0, 0.5, 2.0);
     hs_camera camera;
     hs_camera_look(&camera, &volume, 0.0, 0.0);
@@ -36,7 +35,6 @@ static void test_straight_view_is_the_volume(void **state) {
 
 /* Columns are an orthonormal right-handed frame, and the view direction is the documented one. */
 static void test_axes(void **state) {
-    (void)state;
     const hs_volume volume = shape(8, 8, 8, 1.0, 1.0, 1.0);
     for (double yaw = -270.0; yaw <= 360.0; yaw += 22.5) {
         for (double pitch = -180.0; pitch <= 180.0; pitch += 15.0) {
@@ -61,7 +59,6 @@ static void test_axes(void **state) {
 
 /* Quarter turns have no residue, so that such views stay aligned with the voxels. */
 static void test_quarter_turns_are_exact(void **state) {
-    (void)state;
     const hs_volume volume = shape(8, 9, 10, 1.0, 1.0, 1.0);
     for (int yaw = -4; yaw <= 4; yaw++) {
         for (int pitch = -4; pitch <= 4; pitch++) {
@@ -78,7 +75,6 @@ static void test_quarter_turns_are_exact(void **state) {
 /* Every corner of the volume lies in the box, and some corner on each of its depth faces: it is the
  * smallest. */
 static void test_box_holds_the_volume(void **state) {
-    (void)state;
     const hs_volume volume = shape(40, 25, 31, 1.0, 0.7, 2.3);
     const double size[3] = {40.0, 25.0 * 0.7, 31.0 * 2.3};
     test_random random = {9};
@@ -104,7 +100,6 @@ static void test_box_holds_the_volume(void **state) {
 
 /* The centre of the box is the centre of the volume, from everywhere. */
 static void test_centre_stays(void **state) {
-    (void)state;
     const hs_volume volume = shape(40, 25, 31, 1.0, 0.7, 2.3);
     hs_camera camera;
     hs_camera_look(&camera, &volume, 33.0, -71.0);
@@ -118,7 +113,6 @@ static void test_centre_stays(void **state) {
 
 /* A quarter roll clockwise: what was to the right is below, and the camera looks where it looked. */
 static void test_roll_is_clockwise(void **state) {
-    (void)state;
     const hs_volume volume = shape(10, 20, 60, 1.0, 1.0, 1.0);
     hs_camera straight, rolled;
     hs_camera_look(&straight, &volume, 30.0, -20.0);
@@ -134,7 +128,6 @@ static void test_roll_is_clockwise(void **state) {
 }
 
 static void test_merged_box_holds_both(void **state) {
-    (void)state;
     const hs_volume volume = shape(10, 20, 60, 1.0, 1.0, 1.0);
     hs_camera front, side;
     hs_camera_look(&front, &volume, 0.0, 0.0); /* 20 wide, 60 deep */

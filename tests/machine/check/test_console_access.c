@@ -1,19 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Who may talk to the console: Host, Origin and token of a request; and which files it may name. */
 #include "console/console.h"
+#include "support/unit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 static void only_numbers_of_this_machine_are_its_host(void **unused) {
-    (void)unused;
     static const char *const ours[] = {"127.0.0.1:8080", "localhost:8080", "127.0.0.2:8080", "[::1]:8080",
                                        "localhost:9000"}; /* a tunnel's */
     static const char *const others[] = {NULL,
@@ -41,7 +34,6 @@ static void only_numbers_of_this_machine_are_its_host(void **unused) {
 }
 
 static void elsewhere_any_number_is(void **unused) {
-    (void)unused;
     assert_true(hs_console_host_is_ours("192.168.0.7:9", false));
     assert_true(hs_console_host_is_ours("[fe80::1]:9", false));
     assert_true(hs_console_host_is_ours("localhost:9", false));
@@ -51,7 +43,6 @@ static void elsewhere_any_number_is(void **unused) {
 }
 
 static void an_origin_is_a_page_of_this_host(void **unused) {
-    (void)unused;
     static const char host[] = "127.0.0.1:8080";
     assert_true(hs_console_origin_is_ours("http://127.0.0.1:8080", host));
     assert_false(hs_console_origin_is_ours(NULL, host));
@@ -64,7 +55,6 @@ static void an_origin_is_a_page_of_this_host(void **unused) {
 }
 
 static void a_token_must_be_whole(void **unused) {
-    (void)unused;
     char token[HS_CONSOLE_TOKEN], other[HS_CONSOLE_TOKEN], query[128];
     hs_error err = {0};
     assert_true(hs_console_make_token(token, &err));
@@ -187,7 +177,6 @@ static void nothing_outside_is_found(void **state) {
 }
 
 static void what_is_no_folder_is_refused(void **state) {
-    (void)state;
     hs_console_files files = {0};
     hs_error err = {0};
     assert_false(hs_console_files_add(&files, "/no/such/folder", &err));

@@ -2,14 +2,7 @@
 /* Messages of the console's pages: what is right arrives as it was meant, and of what is wrong the field is
  * named. */
 #include "console/console.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 /* A whole state, in parts that the tests replace. */
 static const char *const parts[][2] = {
@@ -57,7 +50,6 @@ static bool read_text(const char *text, hs_console_message *out, hs_error *err) 
 }
 
 static void a_state_arrives_as_it_was_meant(void **unused) {
-    (void)unused;
     hs_console_message m;
     hs_error err;
     char *text = state_with(NULL, NULL);
@@ -87,7 +79,6 @@ static void a_state_arrives_as_it_was_meant(void **unused) {
 }
 
 static void a_file_and_one_lane_are_a_state_too(void **unused) {
-    (void)unused;
     hs_console_message m;
     hs_error err;
     char *text = state_with("source", "{\"folder\":1,\"path\":\"a b/c.mha\",\"from\":\"left\"}");
@@ -104,7 +95,6 @@ static void a_file_and_one_lane_are_a_state_too(void **unused) {
 }
 
 static void the_other_messages(void **unused) {
-    (void)unused;
     hs_console_message m;
     hs_error err;
     assert_true(read_text("{\"type\":\"seen\",\"frame\":12}", &m, &err));
@@ -119,7 +109,6 @@ static void the_other_messages(void **unused) {
 }
 
 static void what_is_no_message_is_refused(void **unused) {
-    (void)unused;
     static const struct {
         const char *text, *says;
     } cases[] = {
@@ -158,7 +147,6 @@ static void what_is_no_message_is_refused(void **unused) {
 }
 
 static void a_wrong_field_is_named(void **unused) {
-    (void)unused;
     static const struct {
         const char *part, *value, *says;
     } cases[] = {
@@ -229,7 +217,6 @@ static void a_wrong_field_is_named(void **unused) {
 }
 
 static void limits_of_size_hold(void **unused) {
-    (void)unused;
     hs_console_message m;
     hs_error err = {0};
     char *text = malloc(HS_CONSOLE_MAX_MESSAGE + 2), values[HS_CONSOLE_VALUES * 12 + 64];

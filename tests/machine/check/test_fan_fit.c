@@ -10,7 +10,6 @@
 
 #include <limits.h>
 #include <math.h>
-#include <string.h>
 #include <sys/stat.h>
 
 typedef struct {
@@ -128,7 +127,6 @@ static double worst_angle(const hs_volume *v, const double axes[9], const double
 /* The border is known to half a voxel, so half of it lies within a quarter of one, and an edge some 60 voxels
  * long tells its direction to less than a degree. */
 static void fans_are_found(void **state) {
-    (void)state;
     for (size_t n = 0; n < GEOMETRIES; n++) {
         hs_volume copy = copy_of(&geometries[n]);
         for (int face = 0; face < HS_PROBE_COUNT; face++) {
@@ -156,7 +154,6 @@ static void fans_are_found(void **state) {
 /* A stated face is believed: a fan that narrows to another one is asked about. Without a known spacing it
  * tells a face and no place. */
 static void what_is_stated_counts(void **state) {
-    (void)state;
     double apex[3];
     char question[160];
     hs_volume copy = copy_of(&geometries[0]), v = seen_from(&copy, &geometries[0], HS_PROBE_LOW_Y, apex);
@@ -190,7 +187,6 @@ static bool is_inside(int kind, double x, double y, double z) {
 }
 
 static void others_are_none(void **state) {
-    (void)state;
     for (int kind = 0; kind < 4; kind++)
         for (int stated = 0; stated < 2; stated++) {
             hs_error err = {0};
@@ -209,7 +205,6 @@ static void others_are_none(void **state) {
 
 /* Real scans, where they are at hand: some are turned in their box, one ends within the fan. */
 static void real_scans(void **state) {
-    (void)state;
     static const char *const scans[] = {"fetal_head_21w.mha", "fetal_head_22w.mha", "fetal_head_23w.mha",
                                         "real/fetus_12w.mha", "real/fetus_f48.mha", "real/fetus_f51.mha"};
     const char *source = getenv("SV_SOURCE_DIR");

@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The host's launches keep the first error, and name the call and the kernel. */
 #include "render/host_cl.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 typedef struct {
     hs_cl cl;

@@ -23,7 +23,6 @@ static void expect_good(const hs_volume *v) {
 }
 
 static void items_come_in_any_order(void **state) {
-    (void)state;
     for (uint32_t turn = 0; turn < kretz_good().count; turn++) {
         kretz_plan plan = kretz_good(), turned = plan;
         for (uint32_t i = 0; i < plan.count; i++) turned.item[i] = plan.item[(i * 7 + turn) % plan.count];
@@ -37,7 +36,6 @@ static void items_come_in_any_order(void **state) {
 }
 
 static void other_banks_and_what_follows_the_end_do_not_matter(void **state) {
-    (void)state;
     kretz_plan plan = kretz_good();
     kretz_add(&plan, (kretz_item){0xC000, 0x0101, KRETZ_U16, 1, {77}, NULL});
     kretz_add(&plan, (kretz_item){0xC100, 0x0201, KRETZ_F64, 1, {NAN}, NULL});
@@ -54,7 +52,6 @@ static void other_banks_and_what_follows_the_end_do_not_matter(void **state) {
 
 /* Angles from high to low, and steps of different length, stay with their voxels. */
 static void tables_may_descend_and_be_uneven(void **state) {
-    (void)state;
     kretz_plan plan = kretz_good();
     kretz_find(&plan, 0xC300, 0x0001)->value[0] = 1.8;
     kretz_find(&plan, 0xC300, 0x0001)->value[1] = 1.3;
@@ -71,7 +68,6 @@ static void tables_may_descend_and_be_uneven(void **state) {
 }
 
 static void axis_has_either_sign(void **state) {
-    (void)state;
     static const double offsets[] = {10.0, -10.0, 0.0};
     for (int n = 0; n < 3; n++) {
         kretz_plan plan = kretz_good();
@@ -84,7 +80,6 @@ static void axis_has_either_sign(void **state) {
 }
 
 static void cartesian_files_are_volumes(void **state) {
-    (void)state;
     for (int form = 0; form < 3; form++) { /* C100 in metres, (0010,0022) in mm, both */
         kretz_plan plan = kretz_good();
         const uint16_t groups[] = {0xC200, 0xC200, 0xC300, 0xC300}, elements[] = {1, 2, 1, 2};
@@ -109,7 +104,6 @@ static void cartesian_files_are_volumes(void **state) {
 
 /* Frame n holds bytes that count up from 24 n + 1. The single volume beside it is the first. */
 static void sequences_have_volumes(void **state) {
-    (void)state;
     for (int both = 0; both < 2; both++) {
         kretz_plan plan = kretz_good();
         if (!both) kretz_drop(&plan, 0xD000, 0x0001);
@@ -136,7 +130,6 @@ static void sequences_have_volumes(void **state) {
 }
 
 static void files_are_known_by_name_or_content(void **state) {
-    (void)state;
     const kretz_plan plan = kretz_good();
     kretz_file("scan.dat", &plan);
     files_write("other.dat", "ObjectType = Image\n", NULL, 0);
@@ -189,13 +182,11 @@ static void round_trip(uint32_t count, double axis, int descending) {
 }
 
 static void what_is_written_is_read(void **state) {
-    (void)state;
     round_trip(1, -4.0, 0);
     round_trip(3, 7.0, 1);
 }
 
 static void writer_wants_all_volumes(void **state) {
-    (void)state;
     double angles[2] = {-0.1, 0.1};
     const hs_beams b = {
         .samples = 2, .lines = 2, .planes = 2, .pitch = 0.5, .start = 1, .theta = angles, .phi = angles};

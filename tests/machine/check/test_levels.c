@@ -54,7 +54,6 @@ static void expect_fan(const char *name, hs_met_type type) {
 }
 
 static void whatever_lies_outside_was_not_scanned(void **state) {
-    (void)state;
     static const struct {
         hs_met_type type;
         double outside;
@@ -94,7 +93,6 @@ static void whatever_lies_outside_was_not_scanned(void **state) {
 
 /* A layer of one value is no outside, nor is a box that is all scanned. */
 static void what_was_scanned_stays(void **state) {
-    (void)state;
     static uint8_t layers[COUNT];
     char text[200];
     (void)snprintf(text, sizeof text,
@@ -109,7 +107,6 @@ static void what_was_scanned_stays(void **state) {
 }
 
 static void grey_in_channels_is_grey(void **state) {
-    (void)state;
     for (uint32_t channels = 3; channels <= 4; channels++) {
         write_fan("grey.mha", HS_MET_UCHAR, 0, channels, false);
         expect_fan("grey.mha", HS_MET_UCHAR);
@@ -119,7 +116,6 @@ static void grey_in_channels_is_grey(void **state) {
 }
 
 static void a_size_is_said_or_doubted(void **state) {
-    (void)state;
     static const struct {
         double spacing;
         const char *told; /* NULL: nothing */

@@ -5,14 +5,9 @@
 #include "loop/view.h"
 #include "plugin/loader_param.h"
 #include "support/loop_fixture.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static hs_loop_options turnable(const sv_param_value *values, uint32_t count, double yaw, double pitch,
                                 double zoom) {

@@ -32,7 +32,6 @@ static void expect_pose(const char *lines, int dims, const char *letters, bool s
 }
 
 static void the_matrix_counts_else_the_letters(void **state) {
-    (void)state;
     expect_pose("", 3, "RAI", false, "");
     expect_pose("TransformMatrix = 1 0 0 0 1 0 0 0 1\n", 3, "RAI", false, "");
     expect_pose("TransformMatrix = 1 0 0 0 1 0 0 0 1\nAnatomicalOrientation = ???\n", 3, "RAI", false, "");
@@ -54,7 +53,6 @@ static void the_matrix_counts_else_the_letters(void **state) {
 }
 
 static void directions_and_offsets_are_taken_as_they_are(void **state) {
-    (void)state;
     static const char *const names[] = {"Offset", "Position", "Origin"};
     for (size_t i = 0; i < 3; i++) {
         char lines[200];
@@ -73,7 +71,6 @@ static void directions_and_offsets_are_taken_as_they_are(void **state) {
 }
 
 static void the_probe_stands_where_the_near_end_is(void **state) {
-    (void)state;
     static const struct {
         const char *value;
         hs_probe probe;
@@ -91,7 +88,6 @@ static void the_probe_stands_where_the_near_end_is(void **state) {
 
 /* A line that breaks a rule, and one that just does not. */
 static void every_rule_has_a_file_on_either_side(void **state) {
-    (void)state;
     static const struct {
         int dims;
         const char *broken, *told, *whole;

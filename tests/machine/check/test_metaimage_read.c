@@ -95,7 +95,6 @@ static const char *write_case(size_t t, bool big, bool local, bool compressed, b
 }
 
 static void every_type_order_and_carrier(void **state) {
-    (void)state;
     const hs_metaimage_options as_stored = {.padding = HS_PADDING_ALL};
     for (size_t t = 0; t < sizeof types / sizeof *types; t++) {
         for (unsigned variant = 0; variant < 12; variant++) {
@@ -126,7 +125,6 @@ static void write_two_zeros(void) {
 }
 
 static void padding_decides_what_a_zero_is(void **state) {
-    (void)state;
     write_two_zeros();
     static const uint8_t expected[3][2] = {
         [HS_PADDING_AUTO] = {0, 1}, [HS_PADDING_NONE] = {1, 1}, [HS_PADDING_ALL] = {0, 0}};
@@ -143,7 +141,6 @@ static void padding_decides_what_a_zero_is(void **state) {
 
 /* Window 100 .. 300 over 200 values: 255 / 200 per unit. */
 static void a_window_maps_and_clamps(void **state) {
-    (void)state;
     static const uint16_t values[] = {0, 99, 100, 140, 180, 299, 300, 65535};
     static const uint8_t expected[] = {0, 0, 0, 51, 102, 254, 255, 255};
     files_write("w.mha", "NDims = 3\nDimSize = 8 1 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n",
@@ -167,7 +164,6 @@ static void a_window_maps_and_clamps(void **state) {
 }
 
 static void a_window_that_is_none_is_refused(void **state) {
-    (void)state;
     write_two_zeros();
     const double bad[][2] = {{5, 5}, {6, 5}, {NAN, 5}, {0, INFINITY}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -185,7 +181,6 @@ static void a_window_that_is_none_is_refused(void **state) {
 
 /* Texts that mean the same as the plain one: 2 x 2 x 2 bytes 10 .. 17. */
 static void the_text_may_be_written_in_many_ways(void **state) {
-    (void)state;
     static const uint8_t data[] = {10, 11, 12, 13, 14, 15, 16, 17};
     static const char *const texts[] = {
         "NDims = 3\r\nDimSize = 2 2 2\r\nElementType = MET_UCHAR\r\nElementDataFile = LOCAL\r\n",
@@ -213,7 +208,6 @@ static void the_text_may_be_written_in_many_ways(void **state) {
 }
 
 static void header_size_skips_bytes_of_the_data_file(void **state) {
-    (void)state;
     static const uint8_t data[] = {1, 2, 3, 4, 5, 21, 22, 23};
     files_write("skip.raw", NULL, data, sizeof data);
     static const char *const sizes[] = {"5", "-1"};
@@ -250,7 +244,6 @@ static void header_size_skips_bytes_of_the_data_file(void **state) {
 
 /* More voxels than one chunk of the reader holds, and more compressed bytes than one of its buffers. */
 static void large_volumes_cross_the_readers_buffers(void **state) {
-    (void)state;
     enum { SIDE = 70 };
     const size_t count = (size_t)SIDE * SIDE * SIDE;
     uint16_t *values = malloc(count * sizeof *values);
@@ -278,7 +271,6 @@ static void large_volumes_cross_the_readers_buffers(void **state) {
 /* The real scans, where they are at hand: sizes as their headers say, bytes as an
  * independent zlib (Python's) has them. */
 static void real_volumes(void **state) {
-    (void)state;
     static const struct {
         const char *name;
         uint32_t nx, ny, nz;

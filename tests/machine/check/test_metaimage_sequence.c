@@ -21,7 +21,6 @@ static void write_sequence(const char *name, const char *lines, int frames) {
 }
 
 static void volumes_come_one_after_the_other(void **state) {
-    (void)state;
     static const char *const kinds[] = {"", FRAMES, "Kinds = space space space time\n"};
     for (size_t k = 0; k < 3; k++) {
         hs_error err = {0};
@@ -45,7 +44,6 @@ static void volumes_come_one_after_the_other(void **state) {
 }
 
 static void compressed_and_mapped_sequences_are_read_alike(void **state) {
-    (void)state;
     uint16_t data[3 * VOXELS];
     for (size_t i = 0; i < 3 * VOXELS; i++) data[i] = (uint16_t)(1000 + i * 100);
     size_t bytes;
@@ -72,7 +70,6 @@ static void compressed_and_mapped_sequences_are_read_alike(void **state) {
 }
 
 static void what_is_said_of_a_volume_is_kept(void **state) {
-    (void)state;
     hs_error err = {0};
     write_sequence("said.mha",
                    FRAMES "Seq_Frame0000_Timestamp = 1.25\nSeq_Frame0000_ImageStatus = OK\n"
@@ -100,7 +97,6 @@ static void what_is_said_of_a_volume_is_kept(void **state) {
 
 /* The loop's source: invalid volumes are left out, the others keep what is said of them. */
 static void invalid_volumes_are_left_out(void **state) {
-    (void)state;
     write_sequence("gap.mha", FRAMES "Seq_Frame0001_ImageStatus = INVALID\nSeq_Frame2_Timestamp = 7\n", 3);
     write_sequence("one.mha", FRAMES, 1);
     char gap[200], one[200];
@@ -128,7 +124,6 @@ static void invalid_volumes_are_left_out(void **state) {
 
 /* Lines that break a rule, and lines that just do not. */
 static void every_rule_has_a_file_on_either_side(void **state) {
-    (void)state;
     static const struct {
         const char *broken, *told, *whole;
     } rules[] = {
@@ -188,7 +183,6 @@ static void every_rule_has_a_file_on_either_side(void **state) {
 }
 
 static void the_number_of_transforms_is_bounded(void **state) {
-    (void)state;
     char lines[2048] = FRAMES;
     for (int t = 0; t < 9; t++) {
         hs_error err = {0};
@@ -203,7 +197,6 @@ static void the_number_of_transforms_is_bounded(void **state) {
 }
 
 static void sizes_of_sequences_are_checked(void **state) {
-    (void)state;
     static const struct {
         const char *size, *told;
     } bad[] = {{"2 2 2 0", "expected a fourth size of 1 .. 100000 volumes"},
@@ -226,7 +219,6 @@ static void sizes_of_sequences_are_checked(void **state) {
 
 /* A PLUS sequence of tracked pictures looks like a volume but for its Kinds, or its fields. */
 static void sequences_of_pictures_are_refused_by_name(void **state) {
-    (void)state;
     static const char *const lines[] = {"Kinds = domain domain list\n", "Kinds = domain domain time\n",
                                         "Seq_Frame0000_Patient = Doe^Jane\n"};
     static const uint8_t data[8] = {1, 2, 3, 4, 5, 6, 7, 8};
@@ -275,7 +267,6 @@ static void sequences_of_pictures_are_refused_by_name(void **state) {
 
 /* Told by what is in the file. The name says nothing. */
 static void other_formats_are_named(void **state) {
-    (void)state;
     uint8_t nifti[352] = {0x5c, 1}, nifti2[544] = {0x1c, 2}, dicom[140] = {0}, analyze[348] = {0x5c, 1};
     const uint8_t dicm[4] = {'D', 'I', 'C', 'M'};
     memcpy(nifti + 344, "n+1", 4);
@@ -311,7 +302,6 @@ static void other_formats_are_named(void **state) {
 
 /* A compressed NIfTI file, as nearly all of them are. */
 static void compressed_nifti_is_named(void **state) {
-    (void)state;
     uint8_t nifti[352] = {0x5c, 1};
     memcpy(nifti + 344, "n+1", 4);
     files_gzip("f.nii.gz", nifti, sizeof nifti);

@@ -51,7 +51,6 @@ static void write_ok(const char *name, const hs_metaimage_format *format) {
 /* Read with a window that makes the 8-bit value known: u8 as it is, u16 by 256 levels
  * of 257, floats by their step. */
 static void formats_read_back(void **state) {
-    (void)state;
     static const hs_metaimage_options options[] = {
         {.padding = HS_PADDING_ALL},
         {.padding = HS_PADDING_ALL, .has_window = true, .window_low = 0, .window_high = 65535},
@@ -93,7 +92,6 @@ static size_t read_file(const char *name, char *out, size_t room) {
 
 /* Text and bytes of a 2D depthmap, to the letter. */
 static void a_depthmap_is_written_as_stated(void **state) {
-    (void)state;
     hs_metaimage_format format = format_of(F32, 2, false);
     format.size[2] = 0; /* not looked at */
     format.spacing[1] = 0.25;
@@ -110,7 +108,6 @@ static void a_depthmap_is_written_as_stated(void **state) {
 }
 
 static void a_pair_names_its_data_file_without_folder(void **state) {
-    (void)state;
     const hs_metaimage_format format = format_of(U8, 3, true);
     write_ok("label.map.mhd", &format);
     char text[1024], size_line[64];
@@ -139,7 +136,6 @@ static void refused(const char *path, const hs_metaimage_format *format, const c
 }
 
 static void arrays_that_cannot_be_written_are_named(void **state) {
-    (void)state;
     hs_metaimage_format format = format_of(U8, 3, false);
     format.dims = 5;
     refused(files_path("x.mha"), &format, "NDims is 5, expected 2, 3 or 4");
@@ -162,7 +158,6 @@ static void arrays_that_cannot_be_written_are_named(void **state) {
 }
 
 static void places_that_cannot_be_written_are_named(void **state) {
-    (void)state;
     const hs_metaimage_format format = format_of(U8, 3, false);
     refused(files_path("x.png"), &format, "should end in .mha or .mhd");
     refused(files_path(".mha"), &format, "should end in .mha or .mhd");
@@ -177,7 +172,6 @@ static void places_that_cannot_be_written_are_named(void **state) {
 
 /* A disk that fills up, by a limit on the size of files: the earlier file stays as it was. */
 static void a_full_disk_leaves_the_earlier_file(void **state) {
-    (void)state;
     const hs_metaimage_format before = format_of(U8, 3, false);
     write_ok("full.mha", &before);
     write_ok("full.mhd", &before);

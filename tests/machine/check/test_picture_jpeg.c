@@ -1,16 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Renderings as JPEG: what a page shows must be the picture, and smaller. */
 #include "picture/picture.h"
+#include "support/unit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-#include <cmocka.h>
 #include <turbojpeg.h>
+#include <unistd.h>
 
 enum { WIDTH = 97, HEIGHT = 50 };
 
@@ -28,7 +22,6 @@ static hs_picture make(void) {
 }
 
 static void a_png_is_loaded_as_it_was_saved(void **state) {
-    (void)state;
     char path[] = "/tmp/sv_jpeg_XXXXXX";
     hs_error err = {0};
     hs_picture p = make(), q;
@@ -58,7 +51,6 @@ static void a_png_is_loaded_as_it_was_saved(void **state) {
 }
 
 static void a_jpeg_shows_the_picture(void **state) {
-    (void)state;
     hs_error err = {0};
     hs_picture p = make();
     uint8_t *data[2];
@@ -86,7 +78,6 @@ static void a_jpeg_shows_the_picture(void **state) {
 
 /* The library's own failure must come back as an error: a side of more than 65500 pixels. */
 static void an_impossible_jpeg_is_refused(void **state) {
-    (void)state;
     static uint32_t pixel = 0;
     hs_error err = {0};
     uint8_t *data;

@@ -3,17 +3,12 @@
  * a camera at a named place sees, for every way a volume can lie along the patient's axes. */
 #include "render/camera.h"
 #include "smartvis/probe.h"
+#include "support/unit.h"
 #include "volume/volume.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static void letters_and_words_name_the_directions(void **state) {
-    (void)state;
     static const struct {
         double direction[9];
         const char *letters, *words;
@@ -42,7 +37,6 @@ static void letters_and_words_name_the_directions(void **state) {
 }
 
 static void letters_give_directions(void **state) {
-    (void)state;
     hs_pose pose;
     hs_pose_default(&pose);
     static const char *const none[] = {"", "RA", "RAII", "RRI", "RLI", "XAI", "RAX"};
@@ -55,7 +49,6 @@ static void letters_give_directions(void **state) {
 }
 
 static void indices_lie_where_the_pose_says(void **state) {
-    (void)state;
     const hs_pose pose = {.origin = {10, 20, 30}, .direction = {0, 0, 1, 1, 0, 0, 0, -1, 0}};
     const double spacing[3] = {0.5, 2, 3}, index[3] = {4, 5, 6};
     double world[3];
@@ -94,7 +87,6 @@ static const struct {
 };
 
 static void named_places_show_the_patient_however_the_volume_lies(void **state) {
-    (void)state;
     static const char *const lies[] = {"RAI", "LAI", "RPI", "LPS", "AIR", "IAR", "SPL", "PSR", "RIA", "IRA"};
     for (size_t l = 0; l < sizeof lies / sizeof *lies; l++) {
         hs_volume volume = {.nx = 10, .ny = 20, .nz = 30, .spacing = {1, 1, 1}};
@@ -118,7 +110,6 @@ static double det(const double *d) {
 
 /* From each face the beams run to the opposite one, and no picture is a mirror image. */
 static void probes_look_into_the_volume(void **state) {
-    (void)state;
     static const double beams[HS_PROBE_COUNT][3] = {{0, 0, 1},  {0, 0, -1}, {0, 1, 0},
                                                     {0, -1, 0}, {1, 0, 0},  {-1, 0, 0}};
     for (int mirrored = 0; mirrored < 2; mirrored++)
@@ -167,7 +158,6 @@ static void the_apex_is_where_it_was(const hs_camera *camera, const hs_volume *v
 /* Looked at from the probe, its axes are the camera's. From elsewhere, beams that run into the volume run so
  * in the camera's axes, too, and the probe is where they come from. */
 static void the_probe_is_where_the_beams_come_from(void **state) {
-    (void)state;
     static const hs_from places[] = {HS_FROM_PROBE, HS_FROM_ANTERIOR, HS_FROM_LEFT};
     for (int mirrored = 0; mirrored < 2; mirrored++)
         for (int probe = 0; probe < HS_PROBE_COUNT; probe++)
@@ -200,7 +190,6 @@ static void the_probe_is_where_the_beams_come_from(void **state) {
 
 /* yaw turns to the picture's right and pitch up, also in a left-handed volume. */
 static void turns_are_the_pictures(void **state) {
-    (void)state;
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         hs_volume volume = {.nx = 10, .ny = 10, .nz = 10, .spacing = {1, 1, 1}};
         hs_camera straight, turned;
@@ -218,7 +207,6 @@ static void turns_are_the_pictures(void **state) {
 
 /* The mark tells what is at the picture's right and at its top, whatever the volume's axes are. */
 static void marks_tell_what_is_at_the_right(void **state) {
-    (void)state;
     static const struct {
         hs_from from;
         const char *mark;
@@ -245,7 +233,6 @@ static void marks_tell_what_is_at_the_right(void **state) {
 
 /* From the probe: x to the patient's right is at the picture's right. Nothing known, nothing said. */
 static void marks_are_there_only_if_something_is_known(void **state) {
-    (void)state;
     hs_volume volume = {.nx = 9, .ny = 9, .nz = 9, .spacing = {1, 1, 1}, .pose = {.stated = true}};
     hs_beams beams = {0};
     hs_camera camera;

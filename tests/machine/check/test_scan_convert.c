@@ -126,7 +126,6 @@ static void test_matches_definition(void **state) {
 
 /* All ways of sampling must have been tested, with still and turned cameras. */
 static void test_cases_cover_all_ways(void **state) {
-    (void)state;
     int still[3] = {0}, turned[3] = {0}, shared = 0;
     for (size_t i = 0; i < CASES; i++) {
         hs_camera camera;

@@ -7,7 +7,6 @@
 #include "support/host_fixture.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 typedef enum { FULL, FAN, HOLES, CORNER, NOTHING, PATTERNS } pattern;
 

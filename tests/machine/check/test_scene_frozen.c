@@ -23,7 +23,6 @@ static uint32_t sum_of(const hs_scene_data *d) {
 }
 
 static void nine_cases_are_frozen(void **state) {
-    (void)state;
     static const struct {
         const char *name;
         uint32_t still, moved; /* frame 0, and frame 7 with seed 99 */

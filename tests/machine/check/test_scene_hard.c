@@ -44,7 +44,6 @@ static double shortest(const hs_scene_data *d, hs_tissue before, size_t *touchin
 /* The gap of a fold before the trunk, and of the wall: within a voxel, 0.5 mm, and what a ray between
  * two voxels may add. */
 static void gaps_are_as_long_as_asked(void **state) {
-    (void)state;
     static const double gaps[4] = {2.0, 5.0, 12.0, 30.0};
     for (int i = 0; i < 4; i++) {
         char structures[512];
@@ -76,7 +75,6 @@ static void gaps_are_as_long_as_asked(void **state) {
  * placenta, near = far = the skin. No interface shines between the two: tissue of nearly the same
  * impedance meets. */
 static void contact_leaves_no_fluid(void **state) {
-    (void)state;
     char structures[512];
     hs_scene_data d;
     size_t touching;
@@ -114,7 +112,6 @@ static void contact_leaves_no_fluid(void **state) {
 
 /* A gap to what is not there is an error that names it. */
 static void a_gap_needs_both_its_ends(void **state) {
-    (void)state;
     static const struct {
         const char *structures, *error;
     } bad[3] = {
@@ -150,7 +147,6 @@ static void a_gap_needs_both_its_ends(void **state) {
 /* On a beam through the bladder: wall, 12 mm of urine, which is dark, its own wall, the uterus', the
  * sac. No interval holds urine, and a ray that meets no other fluid has no label. */
 static void a_bladder_is_no_sac(void **state) {
-    (void)state;
     char structures[512];
     hs_scene_data d;
     (void)snprintf(structures, sizeof structures,
@@ -194,7 +190,6 @@ static void share_of_labels(const hs_scene_data *d, size_t labels[3]) {
 
 /* Nothing of a fetus: the sac's rays have label 1 and their longest fluid. */
 static void a_scan_without_a_fetus(void **state) {
-    (void)state;
     hs_scene_data d;
     size_t labels[3];
     make_scene("H10", 72, 2, 0, 0, &d, NULL);
@@ -211,7 +206,6 @@ static void a_scan_without_a_fetus(void **state) {
 /* Every ray begins in fluid, with its first scanned voxel, and its interval ends at the skin or at the
  * scan's end. */
 static void nothing_before_the_fetus(void **state) {
-    (void)state;
     hs_scene_data d;
     size_t labels[3];
     make_scene("H11", 72, 2, 0, 0, &d, NULL);
@@ -252,7 +246,6 @@ static size_t connected(const hs_scene_data *d, size_t *all) {
 }
 
 static void twins_are_two(void **state) {
-    (void)state;
     hs_scene_data d;
     size_t all;
     make_scene("H15", 96, 2, 0, 0, &d, NULL);
@@ -270,7 +263,6 @@ static void twins_are_two(void **state) {
 
 /* Two that touch do not melt together: of each, the other's solids change nothing but where both are. */
 static void twins_keep_their_shape(void **state) {
-    (void)state;
     static const char left[] = "{ \"type\": \"fetus\", \"position_mm\": [50, 60, 66], \"scale\": 0.6 }";
     static const char right[] = "{ \"type\": \"fetus\", \"position_mm\": [70, 60, 66], \"scale\": 0.6 }";
     char both[512];
@@ -292,7 +284,6 @@ static void twins_keep_their_shape(void **state) {
 
 /* Around the neck's axis there is a cord in every direction, against the skin but for what it hangs over. */
 static void a_cord_lies_round_the_neck(void **state) {
-    (void)state;
     enum { SIDE = 240, SECTORS = 12 };
     hs_scene_data d;
     make("{ \"type\": \"fetus\", \"position_mm\": [60, 64, 66] },"
@@ -327,7 +318,6 @@ static void a_cord_lies_round_the_neck(void **state) {
 
 /* All of them: labels and intervals hold, with haze, contact and turned cameras. */
 static void hard_truths_are_exact(void **state) {
-    (void)state;
     for (uint32_t c = 0; hs_scene_of_group(HS_SCENES_HARD, c); c++) {
         hs_scene_data d;
         make_scene(hs_scene_of_group(HS_SCENES_HARD, c), 64, 2, 0, c % 3, &d, NULL);
@@ -339,7 +329,6 @@ static void hard_truths_are_exact(void **state) {
 /* The picture that the truth leaves shows no haze before the skin: but for 3 mm the rays of the fetus
  * are dark there. */
 static void no_haze_is_left_in_the_truth(void **state) {
-    (void)state;
     hs_scene_data d;
     make_scene("H01", 128, 2, 0, 0, &d, NULL);
     size_t hazy = 0, all = 0, before = 0;

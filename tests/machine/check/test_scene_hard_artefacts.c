@@ -22,7 +22,6 @@ static void wall_and_fluid(hs_field *f) {
 
 /* 10 dB below the wall where it ends, and 1.5 dB less a mm: at slice z the way is (z - 20 + 1/2) / 2 mm. */
 static void haze_falls_from_the_wall(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);
@@ -45,7 +44,6 @@ static void haze_falls_from_the_wall(void **state) {
 
 /* Patches of 4 mm, up to 6 dB: even over short ways, uneven over long ones, and without a drift. */
 static void haze_has_patches(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);
@@ -91,7 +89,6 @@ static double spread(const hs_field *f, int axis, uint32_t z) {
  * it, sqrt 5 at two; within the plane as before. What the kernel leaves out beyond 3 deviations is 1.4
  * %. */
 static void slices_are_thick_off_the_focus(void **state) {
-    (void)state;
     static const uint32_t depth[3] = {32, 16, 0};
     hs_scene_spec spec;
     empty_spec(&spec);
@@ -115,7 +112,6 @@ static void slices_are_thick_off_the_focus(void **state) {
 /* To the lower right, from 4 mm off the middle on, whole 8 mm further: along the diagonal the middle of
  * pixel 32 + k is (k + 1/2) / 2 * sqrt 2 mm away. */
 static void a_corner_is_dark(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);
@@ -153,7 +149,6 @@ static void echo_of(const char *text, hs_field *f) {
  * placenta, -31 dB, and its scatterers grow over 4 mm: a share of d / 4 of the power at d mm inside. Its
  * interface is 3.5 MHz, 4 mm, 1560 m/s: k d = 2 pi 4 3.5 / 1.56 = 56.4, -35.0 dB. */
 static void edges_are_soft(void **state) {
-    (void)state;
     static const char scene[] =
         "{ \"name\": \"s\", \"title\": \"s\", \"seed\": 1, \"extent_mm\": 32, \"frequency_mhz\": 3.5,\n"
         "  \"sac\": { \"centre_mm\": [16, 16, 16], \"radii_mm\": [400, 400, 400] }, \"artefacts\": [],\n"
@@ -185,7 +180,6 @@ static void edges_are_soft(void **state) {
 /* A quarter turn about y is a change of axes: the camera's x runs against the beams, its z along the
  * scene's x. */
 static void a_turned_camera_sees_the_same_scan(void **state) {
-    (void)state;
     enum { SIDE = 48 };
     hs_error err = {0};
     const char *const turned = "camera_deg=[0,90,0]";
@@ -220,7 +214,6 @@ static void a_turned_camera_sees_the_same_scan(void **state) {
  * the camera's axes x = (cos, 0, -sin), z = (sin, 0, cos), its place is (60 - 10 sin 30, 60, 60 + 10 cos
  * 30). */
 static void a_turned_camera_stands_where_it_says(void **state) {
-    (void)state;
     enum { SIDE = 120 };
     static const char text[] =
         "{ \"name\": \"c\", \"title\": \"c\", \"seed\": 1, \"extent_mm\": 120, \"camera_deg\": [0, 30, 0],\n"

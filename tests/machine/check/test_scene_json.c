@@ -24,7 +24,6 @@ static void refuse_part(const char *structure, const char *artefact, const char 
 }
 
 static void reads_defaults(void **state) {
-    (void)state;
     hs_scene_spec spec;
     empty_spec(&spec);
     assert_near(spec.extent_mm, 120.0f, 0.0f);
@@ -37,7 +36,6 @@ static void reads_defaults(void **state) {
 }
 
 static void tells_the_line_of_syntax_errors(void **state) {
-    (void)state;
     refuse("{\n  \"name\": \"t\",\n  nonsense\n}", "x.json:3:");
     refuse("", "x.json:1:");
     refuse("{ \"name\": \"a\",\n \"name\": \"b\" }", "x.json:2:");
@@ -45,7 +43,6 @@ static void tells_the_line_of_syntax_errors(void **state) {
 }
 
 static void tells_line_and_field(void **state) {
-    (void)state;
     refuse("{ \"name\": \"t\", \"title\": \"t\",\n  \"sead\": 1 }",
            "x.json:2: sead: is no field of this object");
     refuse("{ \"name\": \"t\", \"title\": \"t\",\n\n  \"seed\": 0 }", "x.json:3: seed: is 0, expected 1");
@@ -94,7 +91,6 @@ static void tells_line_and_field(void **state) {
 }
 
 static void locates_values(void **state) {
-    (void)state;
     const char *text =
         "{ \"a\\\"b\": \"}]{\",\n  \"c\": [1,\n 2, { \"d\": [] ,\n \"e\": \"x\\\\\" } ],\n \"f\": null\n}";
     assert_int_equal(hs_json_line(text, ""), 1);
@@ -110,7 +106,6 @@ static void locates_values(void **state) {
 /* Every byte of a real scene file in turn left out, doubled, or made something else: a scene or an error with
  * a text, never a crash (the sanitizers look on). */
 static void survives_broken_files(void **state) {
-    (void)state;
     static char text[16384], broken[16400];
     const char *folder = getenv("SV_SOURCE_DIR");
     char path[1024];
@@ -140,7 +135,6 @@ static void survives_broken_files(void **state) {
 }
 
 static void names_missing_files_and_bad_options(void **state) {
-    (void)state;
     hs_error err = {0};
     assert_null(hs_scene_open("/nowhere/at/all.json", &err));
     assert_non_null(strstr(err.text, "/nowhere/at/all.json: cannot be read"));
@@ -149,11 +143,15 @@ static void names_missing_files_and_bad_options(void **state) {
     assert_non_null(strstr(err.text, "Z99.json"));
     memset(&err, 0, sizeof err);
     hs_scene_data data;
-    assert_false(hs_scene_generate("D01", 31, 0, &data, &err));
+    hs_scene *scene = hs_scene_open("D01", &err);
+    assert_false(hs_scene_frame(scene, &(hs_scene_options){.size = 31}, &data, NULL, &err));
+    hs_scene_close(scene);
     assert_int_equal(err.code, HS_ERR_USAGE);
     assert_non_null(strstr(err.text, "size is 31, expected 32 .. 512"));
     memset(&err, 0, sizeof err);
-    assert_false(hs_scene_generate("real", 64, 0, &data, &err));
+    scene = hs_scene_open("real", &err);
+    assert_false(hs_scene_frame(scene, &(hs_scene_options){.size = 64}, &data, NULL, &err));
+    hs_scene_close(scene);
     assert_non_null(strstr(err.text, "needs a volume"));
     assert_null(data.full.voxels);
 }

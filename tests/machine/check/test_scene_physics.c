@@ -38,7 +38,6 @@ static void attenuate(hs_field *f, float tgc, float frequency) {
 
 /* Soft tissue, 0.5 dB / (cm MHz) at 4 MHz without compensation: 4 dB per cm there and back. */
 static void decays_exponentially(void **state) {
-    (void)state;
     hs_field f;
     one_tissue_field(&f, N, 1.0f, HS_TISSUE_SOFT);
     attenuate(&f, 0.0f, 4.0f);
@@ -53,7 +52,6 @@ static void decays_exponentially(void **state) {
  * 2 * 3.5 * (6 - 0.5) * 0.3 = 11.55 dB are missing, and two crossings of R = (3.75 - 1.63) / (3.75 + 1.63) =
  * 0.3941: 2 * 20 log10(1 - 0.1553) = -2.93 dB. */
 static void bone_throws_a_shadow(void **state) {
-    (void)state;
     hs_field f;
     one_tissue_field(&f, N, 0.5f, HS_TISSUE_SOFT);
     put_slab(&f, HS_TISSUE_BONE, 20, 26);
@@ -68,7 +66,6 @@ static void bone_throws_a_shadow(void **state) {
  * 0.5) 1.0 = -1.4 dB; through it: 7 (0.3 - 0.005) 1.0 = +2.065 dB; two crossings of R = 0.0415: -0.03
  * dB; 10.25 mm behind it: -1.435 dB. */
 static void fluid_brightens(void **state) {
-    (void)state;
     hs_field f;
     one_tissue_field(&f, N, 0.5f, HS_TISSUE_SOFT);
     put_slab(&f, HS_TISSUE_FLUID, 20, 40);
@@ -82,7 +79,6 @@ static void fluid_brightens(void **state) {
 /* An interface's level: specular_db + 20 log10 R at normal incidence. Fluid to soft
  * tissue: R = 0.0415, -27.63 dB. */
 static void interfaces_follow_impedance(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);
@@ -104,7 +100,6 @@ static void interfaces_follow_impedance(void **state) {
  * t = 0.531, T = 0.661 against 0.845 at normal incidence: 2.13 dB. The normals come from 8-bit distances, so
  * half a dB is left to them. */
 static void edges_throw_shadows(void **state) {
-    (void)state;
     const float radius = 14.0f;
     hs_scene_spec spec;
     hs_field f;
@@ -132,7 +127,6 @@ static void edges_throw_shadows(void **state) {
 /* Wall with a boundary at slice 8, ending at 20 before fluid: the wall's end (slice 19) comes back every 11
  * slices, 6 dB weaker each time. */
 static void bands_stand_at_multiples(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);
@@ -160,7 +154,6 @@ static void bands_stand_at_multiples(void **state) {
  * is level_db; the next slice has none. A single line of it is spread over width_mm: peak 1 / 9
  * of it (two boxes of 9 voxels). */
 static void haze_has_its_level(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);
@@ -182,7 +175,6 @@ static void haze_has_its_level(void **state) {
 
 /* Noise alone: its mean power is level_db (64^3 exponential samples: 0.2 % standard error). */
 static void noise_has_its_power(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);
@@ -202,7 +194,6 @@ static void noise_has_its_power(void **state) {
 /* Straight ahead all depths to depth_mm; at the surface z = 0 half a width of r
  * tan(angle / 2); nothing outside. */
 static void fan_has_its_borders(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);
@@ -225,7 +216,6 @@ static void fan_has_its_borders(void **state) {
 /* grey = 255 (1 + (L + gain) / range): -24 dB with 60 dB of range is 153, all below the range is 1, above
  * it 255. */
 static void compresses_as_stated(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);

@@ -12,7 +12,6 @@
  * drawing does: then the scenes of a seed are others, and figures that were measured on them are to be
  * measured again. */
 static void a_seed_is_a_text(void **state) {
-    (void)state;
     uLong crc = 0;
     for (uint32_t i = 0; i < 200; i++) {
         const hs_scene_drawn seven = {false, 7, i}, eight = {false, 8, i};
@@ -29,7 +28,6 @@ static void a_seed_is_a_text(void **state) {
 
 /* What a drawn number may be: on the steps of its range, both ends included and reached. */
 static void numbers_lie_in_their_ranges(void **state) {
-    (void)state;
     for (int id = 0; id < HS_RANGE_COUNT; id++) {
         const hs_scene_range *r = &hs_scene_ranges[id];
         int32_t low = INT32_MAX, high = INT32_MIN;
@@ -60,7 +58,6 @@ static bool holds(const json_t *root, const char *list, const char *type) {
 /* Of a thousand scenes; three standard deviations of a share of p are 300 sqrt(p (1 - p) / 1000)
  * percent. A kind of scene that excludes another takes a little from its share. */
 static void shares_are_kept(void **state) {
-    (void)state;
     enum { SCENES = 1000, SHARES = 9 };
     static const struct {
         const char *list, *type;
@@ -108,7 +105,6 @@ static void shares_are_kept(void **state) {
 /* Every one can be opened, its gaps found, and made; the truth is exact. Frames, threads and sizes do
  * not matter to it. */
 static void random_scenes_are_scenes(void **state) {
-    (void)state;
     for (uint32_t i = 0; i < 16; i++) {
         char name[32];
         hs_scene_data d;
@@ -126,7 +122,6 @@ static void random_scenes_are_scenes(void **state) {
 
 /* Solids, labels and admissible depths are those of the scene without them; the volume is another one. */
 static void greys_change_the_echoes_alone(void **state) {
-    (void)state;
     enum { SIDE = 40 };
     hs_scene_data plain, greys;
     make_scene("R11_3", SIDE, 2, 0, 0, &plain, NULL);
@@ -141,7 +136,6 @@ static void greys_change_the_echoes_alone(void **state) {
 }
 
 static void names_are_read_strictly(void **state) {
-    (void)state;
     static const char *const good[] = {"R0_0", "R7_3", "G7_3", "R18446744073709551_99999"};
     static const char *const bad[] = {"R7",        "R_1",   "R7_",  "R-1_2", "R7_03", "R07_3",
                                       "R7_100000", "R7_3 ", "r7_3", "R7_3x", "g7_3",  "S7_3"};
@@ -156,7 +150,6 @@ static void names_are_read_strictly(void **state) {
 
 /* A scene of two lists, with one assignment; `expected` is what its compact text then holds. */
 static void fields_are_set_otherwise(void **state) {
-    (void)state;
     static const char text[] = "{\"name\":\"t\",\"structures\":[{\"type\":\"fetus\",\"scale\":1.0}],"
                                "\"artefacts\":[{\"type\":\"noise\",\"level_db\":-67}]}";
     static const struct {
@@ -198,7 +191,6 @@ static void fields_are_set_otherwise(void **state) {
 /* Each of the new artefacts can be switched on in an old scene, by its name alone, and changes the
  * picture, but not the truth's interval. */
 static void artefacts_are_switched(void **state) {
-    (void)state;
     static const char *const sets[] = {"artefacts.haze=on", "artefacts.slice_thickness=on",
                                        "artefacts.dark_corner=on", "structures[0].soft_mm=4",
                                        "structures[0].echo_db=-6"};

@@ -34,7 +34,6 @@ static void moments(const hs_field *f, double *mean, double *deviation, double *
 /* Rayleigh amplitude: mean / deviation = sqrt(pi / (4 - pi)) = 1.913 before log compression. The cube holds
  * about 72^3 / (volume of a grain, 40 voxels) = 9000 grains: 0.1 is some 5 standard errors. */
 static void has_the_snr_of_rayleigh(void **state) {
-    (void)state;
     hs_field f;
     uniform_speckle(&f, 0.5f, 0.9f, 24.0f, 1000.0f);
     double mean, deviation, power;
@@ -46,7 +45,6 @@ static void has_the_snr_of_rayleigh(void **state) {
 
 /* The kernels have unit energy: speckle keeps the tissue's mean power (-30 dB) whatever the point spread. */
 static void keeps_the_mean_power(void **state) {
-    (void)state;
     const float lateral[3] = {0.0f, 0.6f, 1.2f};
     for (int i = 0; i < 3; i++) {
         hs_field f;
@@ -81,7 +79,6 @@ static double correlation(const hs_field *f, uint32_t z, uint32_t lag_x, uint32_
  * sigma grows off the focus as sqrt(1 + ((z - z_f) / z_R)^2): focus at 8 mm, z_R 12 mm, so at 40 mm it
  * is 2.85 times wider. */
 static void grains_widen_off_the_focus(void **state) {
-    (void)state;
     hs_field f;
     uniform_speckle(&f, 0.5f, 0.6f, 8.0f, 12.0f);
     const uint32_t slices[2] = {16, 80}; /* 8.25 mm and 40.25 mm */
@@ -100,7 +97,6 @@ static void grains_widen_off_the_focus(void **state) {
 /* An interface across the beam keeps its level behind the point spread: -10 dB in silence, at its own
  * depth. */
 static void interfaces_keep_their_level(void **state) {
-    (void)state;
     hs_scene_spec spec;
     hs_field f;
     empty_spec(&spec);
@@ -117,7 +113,6 @@ static void interfaces_keep_their_level(void **state) {
 }
 
 static void follows_the_seed_only(void **state) {
-    (void)state;
     hs_scene_spec spec;
     int16_t *first = NULL;
     empty_spec(&spec);

@@ -17,7 +17,6 @@ static void check_clipped(const hs_scene_data *d) {
 }
 
 static void intervals_hold_only_fluid(void **state) {
-    (void)state;
     for (int c = 0; c < 9; c++) {
         hs_scene_data d;
         make_scene(scene_cases[c], 72, 2, 0, 0, &d, NULL);
@@ -36,7 +35,6 @@ static void intervals_hold_only_fluid(void **state) {
 
 /* What the probe shows of those intervals: dark. Two millimetres at both ends belong to the point spread. */
 static void clean_intervals_look_dark(void **state) {
-    (void)state;
     hs_scene_data d;
     make_scene("D01", 128, 2, 0, 0, &d, NULL);
     size_t dark = 0, all = 0;
@@ -60,7 +58,6 @@ static void what_touches_the_fetus_is_counted(void **state) {
         double low, high;
     } scenes[] = {{"D01", 0, 0.005},   {"E01", 0, 0.005},   {"M01", 0.01, 0.04},
                   {"M02", 0.05, 0.15}, {"D02", 0.01, 0.05}, {"H11", 0, 0.005}};
-    (void)state;
     for (size_t s = 0; s < sizeof scenes / sizeof *scenes; s++) {
         hs_scene_data d;
         make_scene(scenes[s].name, 160, 2, 0, 0, &d, NULL);
@@ -82,7 +79,6 @@ static bool same(const hs_scene_data *a, const hs_scene_data *b) {
 }
 
 static void same_seed_same_bytes(void **state) {
-    (void)state;
     static const char *const names[2] = {"M03", "E02"}; /* all artefacts between them */
     for (int c = 0; c < 2; c++) {
         hs_scene_data one, other;
@@ -100,7 +96,6 @@ static void same_seed_same_bytes(void **state) {
 }
 
 static void sizes_are_free(void **state) {
-    (void)state;
     static const uint32_t sizes[4] = {32, 33, 47, 100};
     for (int i = 0; i < 4; i++) {
         hs_scene_data d;
@@ -120,7 +115,6 @@ static void sizes_are_free(void **state) {
 /* Frame 0 is the scene itself; a later frame has moved, has speckle of its own, and its truth is again
  * exact. */
 static void frames_move_and_keep_their_truth(void **state) {
-    (void)state;
     hs_scene_data still, frame;
     make_scene("E02", 64, 2, 0, 0, &still, NULL);
     make_scene("E02", 64, 2, 0, 7, &frame, NULL);
@@ -148,7 +142,6 @@ static void frames_move_and_keep_their_truth(void **state) {
 
 /* What a scene does not list takes no time; what is left out by option neither. */
 static void unlisted_artefacts_cost_nothing(void **state) {
-    (void)state;
     hs_scene_data d;
     hs_scene_times times;
     make_scene("D01", 48, 1, 0, 0, &d, &times);
@@ -172,7 +165,6 @@ static void unlisted_artefacts_cost_nothing(void **state) {
 /* Occluders before a given volume: a ball of tissue in fluid. The truth is the volume moved back, and what is
  * put before the ball leaves fluid between. */
 static void real_volumes_are_their_own_truth(void **state) {
-    (void)state;
     enum { NX = 48, NY = 40, NZ = 56 };
     static uint8_t ball[NX * NY * NZ];
     for (int i = 0; i < NX * NY * NZ; i++) {

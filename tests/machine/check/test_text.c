@@ -1,16 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Text from outside on its way to a terminal: what may pass, and what is shown as an escape. */
 #include "base/text.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 static void what_is_visible_stays(void **state) {
-    (void)state;
     static const char *const texts[] = {"",
                                         "plain ~ text!",
                                         "\xc3\xa4\xc2\xa0\xe2\x82\xac \xf0\x9f\x98\x80",
@@ -23,7 +16,6 @@ static void what_is_visible_stays(void **state) {
 }
 
 static void what_controls_is_shown(void **state) {
-    (void)state;
     static const char *const cases[][2] = {
         {"\x1b[31mred\x07", "\\x1b[31mred\\x07"},
         {"a\tb\rc\x7f", "a\\x09b\\x0dc\\x7f"},
@@ -49,7 +41,6 @@ static void what_controls_is_shown(void **state) {
 
 /* Every length of the room: never a byte behind it, never half of anything. */
 static void what_does_not_fit_is_left_out(void **state) {
-    (void)state;
     static const char text[] = "a\x1b\xe2\x82\xac";
     static const char *const want[] = {
         "", "a", "a", "a", "a", "a\\x1b", "a\\x1b", "a\\x1b", "a\\x1b\xe2\x82\xac"};
@@ -62,7 +53,6 @@ static void what_does_not_fit_is_left_out(void **state) {
 }
 
 static void whole_lines_are_printed(void **state) {
-    (void)state;
     char *text = NULL;
     size_t bytes = 0;
     FILE *out = open_memstream(&text, &bytes);

@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* hs_volume: limits, and the unscanned region against a plain flood fill. */
+#include "support/unit.h"
 #include "volume/volume.h"
 
 #include <limits.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static uint64_t random_state = 0x9e3779b97f4a7c15u;
 
@@ -36,7 +31,6 @@ static void mark(hs_volume *volume) {
 }
 
 static void sizes_outside_the_limits_are_refused(void **state) {
-    (void)state;
     static const uint32_t bad[][3] = {{0, 4, 4},          {4, 0, 4},          {4, 4, 0},
                                       {2049, 1, 1},       {1, UINT32_MAX, 1}, {1, 1, 2049},
                                       {2048, 2048, 2048}, {2048, 1024, 1025}};
@@ -53,7 +47,6 @@ static void sizes_outside_the_limits_are_refused(void **state) {
 }
 
 static void a_new_volume_is_zero_and_one_mm(void **state) {
-    (void)state;
     hs_volume volume;
     make(&volume, 3, 5, 7);
     assert_int_equal(hs_volume_count(&volume), 105);
@@ -92,7 +85,6 @@ static void plain_flood(uint8_t *v, int nx, int ny, int nz) {
 /* Widths around the 64 voxels of a word; densities on both sides of the percolation threshold of the cubic
  * grid (0.31), where regions are most winding. */
 static void unscanned_equals_a_plain_flood(void **state) {
-    (void)state;
     static const uint32_t widths[] = {1, 2, 3, 31, 63, 64, 65, 127, 128, 129, 150};
     static const uint32_t percents[] = {10, 25, 31, 35, 45, 60, 90};
     size_t inner = 0;
@@ -136,7 +128,6 @@ static size_t carve_tunnel(hs_volume *volume) {
 }
 
 static void a_winding_tunnel_is_followed_to_its_end(void **state) {
-    (void)state;
     hs_volume volume;
     const size_t length = carve_tunnel(&volume);
     mark(&volume);
@@ -154,7 +145,6 @@ static void a_winding_tunnel_is_followed_to_its_end(void **state) {
 }
 
 static void diagonal_neighbours_do_not_connect(void **state) {
-    (void)state;
     hs_volume volume;
     make(&volume, 4, 4, 4);
     memset(volume.voxels, 50, 64);
@@ -171,7 +161,6 @@ static void diagonal_neighbours_do_not_connect(void **state) {
 }
 
 static void extremes_keep_their_meaning(void **state) {
-    (void)state;
     static const uint32_t sizes[][3] = {{1, 1, 1},  {70, 1, 1},  {1, 70, 1},
                                         {1, 1, 70}, {70, 70, 1}, {9, 9, 9}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
@@ -195,7 +184,6 @@ static void *mark_on_small_stack(void *volume) {
 
 /* 6.9 million connected zeros with 128 KB of stack: a recursive fill would need a frame for each. */
 static void the_fill_does_not_recurse(void **state) {
-    (void)state;
     hs_volume volume;
     make(&volume, 190, 190, 190);
     pthread_attr_t attributes;
@@ -246,7 +234,6 @@ static void expect_pattern(const hs_volume *volume, const hs_volume *expected) {
 
 /* Every voxel once, with one thread in order; marking on the way is what marking afterwards is. */
 static void a_volume_is_filled_in_pieces(void **state) {
-    (void)state;
     hs_volume plain, marked;
     hs_error err = {0};
     make(&plain, FILL_X, FILL_Y, FILL_Z);
@@ -269,7 +256,6 @@ static void a_volume_is_filled_in_pieces(void **state) {
 }
 
 static void the_first_failure_is_told(void **state) {
-    (void)state;
     hs_volume volume;
     make(&volume, FILL_X, FILL_Y, FILL_Z);
     for (uint32_t threads = 1; threads <= 8; threads++)

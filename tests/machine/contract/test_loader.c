@@ -2,16 +2,9 @@
 /* The plugin loader: what it accepts, and what it says about everything else. */
 #include "plugin/capabilities.h"
 #include "plugin/loader_param.h"
+#include "support/unit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* "<build>/tests/plugins/<name>" */
 static const char *plugin_path(const char *name) {
@@ -35,7 +28,6 @@ static void expect_failure(const char *path, const char *id, const char *const *
 }
 
 static void loads_a_good_plugin_again_and_again(void **state) {
-    (void)state;
     for (int i = 0; i < 20; i++) {
         hs_plugin plugin;
         hs_error err = {0};
@@ -49,7 +41,6 @@ static void loads_a_good_plugin_again_and_again(void **state) {
 }
 
 static void a_given_id_is_found_or_answered_with_those_there_are(void **state) {
-    (void)state;
     hs_plugin plugin;
     hs_error err = {0};
     assert_true(
@@ -61,7 +52,6 @@ static void a_given_id_is_found_or_answered_with_those_there_are(void **state) {
 }
 
 static void files_that_are_no_plugin_are_named(void **state) {
-    (void)state;
     expect_failure("/no/such/folder/x.so", NULL,
                    (const char *const[]){"/no/such/folder/x.so", "No such file", NULL});
     expect_failure("/tmp", NULL, (const char *const[]){"/tmp: not a file", NULL});
@@ -71,7 +61,6 @@ static void files_that_are_no_plugin_are_named(void **state) {
 }
 
 static void a_text_file_is_not_loadable(void **state) {
-    (void)state;
     char path[] = "/tmp/test_loader_XXXXXX";
     const int file = mkstemp(path);
     assert_true(file >= 0);
@@ -82,7 +71,6 @@ static void a_text_file_is_not_loadable(void **state) {
 }
 
 static void entries_that_break_the_abi_are_refused(void **state) {
-    (void)state;
     expect_failure(plugin_path("other_major.so"), NULL,
                    (const char *const[]){"other_major.so", "ABI major 2", "this host speaks 1", NULL});
     expect_failure(plugin_path("older_major.so"), NULL,
@@ -165,7 +153,6 @@ static void enum_values_are_found_by_their_name(void **state) {
 
 /* Values that an enum leaves out between others have no name, and are not offered. */
 static void an_enum_may_leave_values_out(void **state) {
-    (void)state;
     char path[1024], name[HS_ENUM_NAME];
     const char *build = getenv("SV_BUILD_DIR");
     hs_plugin plugin;
@@ -231,7 +218,6 @@ static void a_failed_call_is_told_with_path_call_status_and_reason(void **state)
 static void carriers_that_are_none_are_not_taken(void **state) {
     const sv_descriptor all = {.carriers = UINT32_MAX, .voxel_types = UINT32_MAX, .queues = UINT32_MAX};
     static const uint32_t none[] = {0, 4, 31, 32, 33, 34, 16385, UINT32_MAX};
-    (void)state;
     for (uint32_t carrier = SV_CARRIER_HOST; carrier <= SV_CARRIER_IMAGE; carrier++)
         assert_true(hs_plugin_takes(&all, (hs_handover){carrier, false}));
     for (size_t i = 0; i < sizeof none / sizeof *none; i++)
@@ -239,7 +225,6 @@ static void carriers_that_are_none_are_not_taken(void **state) {
 }
 
 static void every_status_has_its_name(void **state) {
-    (void)state;
     assert_string_equal(hs_status_name(SV_OK), "SV_OK");
     assert_string_equal(hs_status_name(SV_PARTIAL), "SV_PARTIAL");
     assert_string_equal(hs_status_name(SV_ERR_SLAB_ORDER), "SV_ERR_SLAB_ORDER");
@@ -251,29 +236,24 @@ static void every_status_has_its_name(void **state) {
 static sv_ext_confidence given;
 
 static const void *give_confidence(const sv_plugin *plugin, const char *id) {
-    (void)plugin;
     return strcmp(id, SV_EXT_CONFIDENCE) == 0 ? &given : NULL;
 }
 
 static uint32_t never_offered(const sv_plugin *plugin) {
-    (void)plugin;
     return 0;
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): the signature is the extension's */
 static sv_status never_read(const sv_plugin *plugin, float *map, sv_confidence_report *report) {
-    (void)plugin, (void)map, (void)report;
     return SV_ERR_STATE;
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): the same */
 static sv_status never_written(const sv_plugin *plugin, float *map, struct _cl_mem *object, uint64_t offset) {
-    (void)plugin, (void)map, (void)object, (void)offset;
     return SV_ERR_STATE;
 }
 
 static void an_extension_without_all_of_its_calls_is_none(void **state) {
-    (void)state;
     const sv_plugin plugin = {.get_extension = give_confidence};
     const sv_ext_confidence whole = {
         .size = sizeof whole, .read = never_read, .offered = never_offered, .write = never_written};

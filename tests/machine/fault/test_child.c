@@ -3,22 +3,16 @@
 #include "guard/child.h"
 
 #include "base/progress.h"
+#include "support/unit.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define MEMORY_LIMIT (64u << 20)
 
@@ -27,29 +21,24 @@ static _Noreturn void forever(void) {
 }
 
 static int crash(int channel, void *context) {
-    (void)channel, (void)context;
     (void)raise(SIGSEGV);
     return 0;
 }
 
 static int abort_it(int channel, void *context) {
-    (void)channel, (void)context;
     abort();
 }
 
 static int leave(int channel, void *context) {
-    (void)channel;
     return *(int *)context;
 }
 
 static int hang(int channel, void *context) {
-    (void)channel, (void)context;
     (void)signal(SIGTERM, SIG_IGN);
     forever();
 }
 
 static int burn(int channel, void *context) {
-    (void)channel, (void)context;
     for (volatile unsigned n = 0; n < 2;) n = 1 - n;
     return 0;
 }
@@ -60,7 +49,6 @@ static int burn_on(int channel, void *context) {
 }
 
 static int grab(int channel, void *context) {
-    (void)channel, (void)context;
     for (int i = 0; i < 10000; i++) {
         char *block = malloc(1u << 20);
         if (block) memset(block, 1, 1u << 20);
@@ -70,19 +58,16 @@ static int grab(int channel, void *context) {
 }
 
 static int silent(int channel, void *context) {
-    (void)context;
     (void)close(channel);
     forever();
 }
 
 static int stop_group(int channel, void *context) {
-    (void)channel, (void)context;
     (void)kill(0, SIGKILL); /* its group is its own: the parent does not notice */
     forever();
 }
 
 static void each_end_has_its_sentence(void **state) {
-    (void)state;
     int codes[] = {0, 77};
     const struct {
         int (*work)(int, void *);
@@ -116,7 +101,6 @@ static void each_end_has_its_sentence(void **state) {
 }
 
 static void a_hanging_child_is_ended_in_time(void **state) {
-    (void)state;
     hs_child child;
     hs_error err = {0};
     char sentence[128];
@@ -191,7 +175,6 @@ static void assert_grandchild_ends(escape e) {
 }
 
 static void what_it_started_ends_with_it(void **state) {
-    (void)state;
     for (int way = 0; way < WAYS; way++) {
         assert_grandchild_ends((escape){way, false});
         assert_grandchild_ends((escape){way, true});
@@ -200,7 +183,6 @@ static void what_it_started_ends_with_it(void **state) {
 
 /* Others that this process has started itself are nobody's leftovers: a child's siblings, and its own. */
 static void nobody_else_is_ended(void **state) {
-    (void)state;
     hs_child first, second;
     hs_error err = {0};
     const hs_child_limits none = {0};
@@ -217,7 +199,6 @@ static void nobody_else_is_ended(void **state) {
 
 /* A program that prints without end is heard to the end, and shown up to its limit. */
 static void what_it_prints_is_bounded(void **state) {
-    (void)state;
     enum { PRINTED = 2000000, SHOWN = 5000 };
     hs_child child;
     hs_error err = {0};
@@ -242,7 +223,6 @@ static void what_it_prints_is_bounded(void **state) {
 
 /* A parent between the test and the child that it tells of; it dies without a word. */
 static int short_parent(int channel, void *context) {
-    (void)context;
     hs_child child;
     hs_error err = {0};
     const hs_child_limits none = {0};
@@ -253,7 +233,6 @@ static int short_parent(int channel, void *context) {
 }
 
 static void it_dies_with_its_parent(void **state) {
-    (void)state;
     hs_child parent;
     hs_error err = {0};
     pid_t child = 0;
@@ -269,7 +248,6 @@ static void it_dies_with_its_parent(void **state) {
 
 /* Doubles what it is told, and leaves after a 0. */
 static int echo(int channel, void *context) {
-    (void)context;
     struct rlimit core;
     (void)getrlimit(RLIMIT_CORE, &core);
     for (int number = 1; number && hs_child_receive(channel, &number, sizeof number);) {
@@ -280,7 +258,6 @@ static int echo(int channel, void *context) {
 }
 
 static void messages_travel_whole(void **state) {
-    (void)state;
     hs_child child;
     hs_error err = {0};
     const hs_child_limits none = {0};
@@ -307,7 +284,6 @@ static void messages_travel_whole(void **state) {
 }
 
 static void a_program_gets_what_is_passed(void **state) {
-    (void)state;
     hs_child child;
     hs_error err = {0};
     const hs_child_limits none = {0};
@@ -331,7 +307,6 @@ static void a_program_gets_what_is_passed(void **state) {
 }
 
 static void a_program_that_is_not_there(void **state) {
-    (void)state;
     hs_child child;
     hs_error err = {0};
     const hs_child_limits none = {0};

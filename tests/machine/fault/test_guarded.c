@@ -119,7 +119,6 @@ static void every_way_gives_the_same_bits(void **state) {
 }
 
 static void parameters_tell_the_same(void **state) {
-    (void)state;
     hs_plugin direct, guarded;
     const hs_guard_options off = guard_of(HS_GUARD_OFF), on = guard_of(HS_GUARD_ON);
     open_with(&direct, "smartvis.so", &off);
@@ -286,7 +285,6 @@ static void an_error_is_an_error(void **state) {
 
 /* On by default for others' libraries, wherever the host's own lies. */
 static void who_is_guarded(void **state) {
-    (void)state;
     hs_guard_options options = guard_of(HS_GUARD_AUTO);
     assert_true(hs_guard_wanted(&options, file("tests/plugins/plane.so")));
     assert_true(hs_guard_wanted(&options, "/nowhere/smartvis.so"));

@@ -101,7 +101,6 @@ static void is_read(const dicom *d) {
 }
 
 static void every_syntax_is_read(void **state) {
-    (void)state;
     static const char *const syntaxes[] = {EXPLICIT, IMPLICIT, "1.2.840.10008.1.2.4.50",
                                            "1.2.840.10008.1.2.5"};
     for (size_t i = 0; i < sizeof syntaxes / sizeof *syntaxes; i++) {
@@ -112,7 +111,6 @@ static void every_syntax_is_read(void **state) {
 
 /* A volume with an odd number of bytes and without the item that ends it has a byte behind it. */
 static void a_padding_byte_is_no_item(void **state) {
-    (void)state;
     kretz_plan plan = kretz_good();
     plan.no_end = true;
     kretz_add(&plan, (kretz_item){0x0150, 1, KRETZ_BYTES, 1, {1}, NULL});
@@ -136,7 +134,6 @@ static void put_sequence(dicom *d, uint32_t tag, const char *type, bool told, co
 /* Pictures in pieces, sequences with and without lengths, and one of unknown type, in which nothing has a
  * type. */
 static void what_lies_before_it_is_passed_over(void **state) {
-    (void)state;
     for (int untyped = 0; untyped < 2; untyped++) {
         const kretz_plan plan = kretz_good();
         dicom d = dicom_begin(untyped ? IMPLICIT : EXPLICIT);
@@ -157,7 +154,6 @@ static void what_lies_before_it_is_passed_over(void **state) {
 
 /* The good file, cut after every one of its bytes: only behind the volume, or behind all, it is whole. */
 static void every_cut_is_noticed(void **state) {
-    (void)state;
     for (int untyped = 0; untyped < 2; untyped++) {
         const dicom whole = dicom_good(untyped ? IMPLICIT : EXPLICIT);
         const size_t behind_volume = whole.count - 12;
@@ -173,7 +169,6 @@ static void every_cut_is_noticed(void **state) {
 }
 
 static void lengths_beyond_the_file_are_refused(void **state) {
-    (void)state;
     dicom d = dicom_begin(EXPLICIT);
     put_header(&d, 0x7FE11101, "OB", 0xFFFFFFFE);
     refused(&d, "element (7FE1,1101) has 4294967294 bytes, but 0 are left");
@@ -192,7 +187,6 @@ static void lengths_beyond_the_file_are_refused(void **state) {
 }
 
 static void wrong_nesting_is_refused(void **state) {
-    (void)state;
     static const uint32_t ends[] = {0xFFFEE00D, 0xFFFEE0DD};
     for (int i = 0; i < 2; i++) {
         dicom d = dicom_begin(EXPLICIT);
@@ -216,7 +210,6 @@ static void wrong_nesting_is_refused(void **state) {
 }
 
 static void other_syntaxes_are_refused(void **state) {
-    (void)state;
     static const char *const others[] = {"1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.2",
                                          "1.2.840.10008.1.20", "1.2", ""};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
@@ -233,7 +226,6 @@ static void other_syntaxes_are_refused(void **state) {
 }
 
 static void one_volume_is_expected(void **state) {
-    (void)state;
     const kretz_plan plan = kretz_good();
     dicom d = dicom_begin(EXPLICIT);
     refused(&d, "a DICOM file, but no element of group 7FE1 begins with 'KRETZFILE 1.0'; export");
@@ -249,7 +241,6 @@ static void one_volume_is_expected(void **state) {
 
 /* What is wrong with the volume itself is said as of a bare file. */
 static void the_volume_is_checked(void **state) {
-    (void)state;
     kretz_plan plan = kretz_good();
     kretz_drop(&plan, 0xD000, 1);
     kretz_add(&plan, (kretz_item){0x0002, 0x1000, KRETZ_BYTES, 9, {1}, NULL});
@@ -268,7 +259,6 @@ static void the_volume_is_checked(void **state) {
 
 /* An item that goes beyond the volume, but not beyond the file, is refused, too. */
 static void the_volume_ends_where_its_element_does(void **state) {
-    (void)state;
     dicom d = dicom_good(EXPLICIT);
     size_t bytes;
     const kretz_plan plan = kretz_good();
@@ -282,7 +272,6 @@ static void the_volume_ends_where_its_element_does(void **state) {
 }
 
 static void elements_are_counted(void **state) {
-    (void)state;
     const size_t maximum = 65536;
     for (size_t extra = 0; extra < 2; extra++) {
         const dicom d = dicom_good(IMPLICIT);

@@ -230,27 +230,22 @@ static void check_rows(const row *rows, size_t count) {
 #define CHECK(rows) check_rows(rows, sizeof(rows) / sizeof((rows)[0]))
 
 static void sizes_are_checked(void **state) {
-    (void)state;
     CHECK(sizes);
 }
 
 static void voxels_are_checked(void **state) {
-    (void)state;
     CHECK(voxels);
 }
 
 static void tables_are_checked(void **state) {
-    (void)state;
     CHECK(tables);
 }
 
 static void lengths_are_checked(void **state) {
-    (void)state;
     CHECK(lengths);
 }
 
 static void cartesian_files_are_checked(void **state) {
-    (void)state;
     CHECK(cartesian);
 }
 
@@ -263,7 +258,6 @@ static const row texts[] = {
 };
 
 static void texts_are_passed_over(void **state) {
-    (void)state;
     CHECK(texts);
     size_t bytes;
     const kretz_plan plan = kretz_good();

@@ -12,7 +12,6 @@
 
 /* Bytes behind the end are not read; without the item that ends the stream they are an item's. */
 static void what_follows_the_end_is_not_read(void **state) {
-    (void)state;
     for (int ended = 0; ended < 2; ended++) {
         size_t bytes;
         kretz_plan plan = kretz_good();
@@ -34,7 +33,6 @@ static void what_follows_the_end_is_not_read(void **state) {
 
 /* The good file, cut after every one of its bytes. What ends behind the voxels is whole. */
 static void every_cut_is_noticed(void **state) {
-    (void)state;
     size_t bytes;
     const kretz_plan plan = kretz_good();
     uint8_t *file = kretz_bytes_of(&plan, &bytes);
@@ -51,7 +49,6 @@ static void every_cut_is_noticed(void **state) {
 }
 
 static void lengths_beyond_the_file_are_refused(void **state) {
-    (void)state;
     static const uint32_t lengths_to_try[] = {0xFFFFFFFF, 0x80000000, 0x7FFFFFFF, 25, 33};
     size_t bytes;
     const kretz_plan plan = kretz_good();
@@ -67,7 +64,6 @@ static void lengths_beyond_the_file_are_refused(void **state) {
 }
 
 static void swapped_numbers_are_named(void **state) {
-    (void)state;
     kretz_plan plan = kretz_good();
     *kretz_find(&plan, 0xC000, 1) = (kretz_item){0x00C0, 0x0100, KRETZ_U16, 1, {0x0400}, NULL};
     kretz_file("swapped.vol", &plan);
@@ -80,7 +76,6 @@ static void swapped_numbers_are_named(void **state) {
 }
 
 static void other_files_are_named(void **state) {
-    (void)state;
     files_write("m.vol", "KRETZFILE 1.1   and more", NULL, 0);
     kretz_refused("m.vol", "the first 16 bytes are not 'KRETZFILE 1.0'");
     files_write("m.vol", "KRETZFILE 1.0  ", NULL, 0);
@@ -91,7 +86,6 @@ static void other_files_are_named(void **state) {
 }
 
 static void items_are_counted(void **state) {
-    (void)state;
     const size_t maximum = HS_KRETZ_MAX_ITEMS;
     for (int extra = 0; extra < 2; extra++) {
         size_t bytes;
@@ -116,7 +110,6 @@ static void items_are_counted(void **state) {
 
 /* Voxels behind 4 GB, in a file with a hole: offsets have 64 bits. */
 static void large_files_are_read(void **state) {
-    (void)state;
     size_t bytes;
     kretz_plan plan = kretz_good();
     uint8_t *file = kretz_bytes_of(&plan, &bytes);
@@ -138,7 +131,6 @@ static void large_files_are_read(void **state) {
 
 /* A file that becomes shorter between opening and reading. */
 static void a_shrinking_file_is_an_error(void **state) {
-    (void)state;
     const kretz_plan plan = kretz_good();
     kretz_file("shrinks.vol", &plan);
     hs_error err = {0};

@@ -35,7 +35,6 @@ static void write_edited(const char *name, const char *without, const char *line
 }
 
 static void values_out_of_range_are_named(void **state) {
-    (void)state;
     static const struct {
         const char *field, *value, *told;
     } bad[] = {
@@ -95,7 +94,6 @@ static void values_out_of_range_are_named(void **state) {
 }
 
 static void missing_and_repeated_fields_are_named(void **state) {
-    (void)state;
     static const char *const needed[] = {"NDims", "DimSize", "ElementType", "ElementDataFile"};
     for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
         char told[64];
@@ -119,7 +117,6 @@ static void missing_and_repeated_fields_are_named(void **state) {
 
 /* Every prefix of a file with its data inside, raw and compressed, but the whole one. */
 static void every_truncation_is_refused(void **state) {
-    (void)state;
     size_t packed_bytes;
     uint8_t *packed = files_deflate(good_data, GOOD_BYTES, &packed_bytes);
     for (int compressed = 0; compressed < 2; compressed++) {
@@ -144,7 +141,6 @@ static void every_truncation_is_refused(void **state) {
 }
 
 static void data_files_of_another_length_are_refused(void **state) {
-    (void)state;
     uint8_t data[GOOD_BYTES + 1] = {0};
     files_write("length.mhd",
                 "NDims = 3\nDimSize = 4 3 2\nElementType = MET_USHORT\nElementDataFile = length.raw\n", NULL,
@@ -163,7 +159,6 @@ static void data_files_of_another_length_are_refused(void **state) {
 
 /* Adler-32 guards the voxels, so a changed byte is noticed wherever it is. */
 static void every_damaged_byte_of_compressed_data_is_noticed(void **state) {
-    (void)state;
     size_t bytes;
     uint8_t *packed = files_deflate(good_data, GOOD_BYTES, &bytes);
     for (size_t i = 0; i < bytes; i++) {
@@ -177,7 +172,6 @@ static void every_damaged_byte_of_compressed_data_is_noticed(void **state) {
 
 /* Compressed streams that are whole but not what the header says. */
 static void compressed_streams_must_fit_the_header(void **state) {
-    (void)state;
     uint8_t *zeros = calloc(10u << 20, 1);
     assert_non_null(zeros);
     size_t bytes;
@@ -227,7 +221,6 @@ static void compressed_streams_must_fit_the_header(void **state) {
 }
 
 static void infinite_voxels_are_named(void **state) {
-    (void)state;
     static const char text[] =
         "NDims = 3\nDimSize = 3 2 2\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n";
     float data[12] = {1, 2, 3, 0, 0, INFINITY};
@@ -239,7 +232,6 @@ static void infinite_voxels_are_named(void **state) {
 }
 
 static void what_is_no_metaimage_is_refused(void **state) {
-    (void)state;
     static const uint8_t png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n',
                                   0,    0,   0,   13,  'I',  'H',  'D',  'R'};
     files_write("a.png", NULL, png, sizeof png);
@@ -275,7 +267,6 @@ static void what_is_no_metaimage_is_refused(void **state) {
 
 /* Fields that are not used may say who was scanned: they must not come out, not even from a broken file. */
 static void skipped_values_stay_out_of_messages(void **state) {
-    (void)state;
     static const char *const broken[] = {"PatientName = Doe^Jane\nPatientID: 4711-Doe\nNDims = 2\n",
                                          "Comment = Doe^Jane\nDoe^Jane 4711\n",
                                          "Name = Doe^Jane\nComment = x\n"};
@@ -291,7 +282,6 @@ static void skipped_values_stay_out_of_messages(void **state) {
 }
 
 static void messages_stay_one_printable_line(void **state) {
-    (void)state;
     write_edited("odd.mha", "ElementType",
                  "ElementType = MET_\x1b[31m\a\xff much longer than any name of a type could ever be in a "
                  "header of this format\n");

@@ -52,7 +52,6 @@ static void expect_both_sides(const rule *rules, size_t count) {
 }
 
 static void sizes(void **state) {
-    (void)state;
     static const rule rules[] = {
         {"NDims = 2\n", 48, "NDims is '2'", "NDims = 3\n", 48},
         {"NDims = 5\n", 48, "NDims is '5'", "NDims = 03\n", 48},
@@ -73,7 +72,6 @@ static void sizes(void **state) {
 }
 
 static void encodings(void **state) {
-    (void)state;
     static const rule rules[] = {
         {"ObjectType = Images\n", 48, "expected Image", "ObjectType = Image\n", 48},
         {"ElementType = MET_USHORTS\n", 48, "ElementType is 'MET_USHORTS'", "ElementType = MET_SHORT\n", 48},
@@ -92,7 +90,6 @@ static void encodings(void **state) {
 }
 
 static void data(void **state) {
-    (void)state;
     static const rule rules[] = {
         {"Comment = x\n", 47, "47 bytes of data, expected 48", "Comment = x\n", 48},
         {"Comment = x\n", 49, "49 bytes of data, expected 48", "Comment = x\n", 48},
@@ -116,7 +113,6 @@ static void data(void **state) {
 
 /* A header reaches into its own folder and below, and nowhere else. */
 static void data_files(void **state) {
-    (void)state;
     static const struct {
         const char *name;
         bool near;
@@ -143,7 +139,6 @@ static void data_files(void **state) {
 
 /* Links may lead to another file of the folder, and not out of it; what is no file is not waited for. */
 static void links(void **state) {
-    (void)state;
     static const uint8_t voxels[48] = {1};
     char outside[] = "/tmp/sv_outside_XXXXXX", up[32];
     const int file = mkstemp(outside);
@@ -183,7 +178,6 @@ static void links(void **state) {
 
 /* Values that would leave a scan two grey levels are refused, unless a window says what is meant. */
 static void values(void **state) {
-    (void)state;
     const hs_metaimage_options window = {.has_window = true, .window_low = 0, .window_high = 255};
     double voxels[24] = {-1.7e308, 1.7e308, 100};
     char text[300];
@@ -199,7 +193,6 @@ static void values(void **state) {
 
 /* The compressed stream's length, by one byte more and less, and the best that compression can do. */
 static void compressed(void **state) {
-    (void)state;
     uint8_t plain[48];
     for (size_t i = 0; i < sizeof plain; i++) plain[i] = (uint8_t)(i * 37 + 5);
     size_t bytes;

@@ -4,16 +4,11 @@
 #include "base/output_file.h"
 
 #include "guard/child.h"
+#include "support/unit.h"
 
 #include <dirent.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static char folder[] = "/tmp/test_output_file_XXXXXX";
 
@@ -41,7 +36,6 @@ static int interrupted(int channel, void *context) {
     hs_output_file outputs[3];
     hs_error err = {0};
     static const char *const names[] = {"whole", "half", "third"};
-    (void)channel;
     for (int i = 0; i < 3; i++)
         if (!hs_output_open(&outputs[i], in_folder(names[i]), &err) ||
             !hs_output_write(&outputs[i], "text", 4, &err))
@@ -54,7 +48,6 @@ static int interrupted(int channel, void *context) {
 }
 
 static void signals_remove_what_is_half_written(void **state) {
-    (void)state;
     static int signals[] = {SIGINT, SIGTERM, SIGHUP};
     const hs_child_limits none = {0};
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
@@ -76,7 +69,6 @@ static void signals_remove_what_is_half_written(void **state) {
 static int ignoring(int channel, void *context) {
     hs_output_file output;
     hs_error err = {0};
-    (void)channel, (void)context;
     (void)signal(SIGHUP, SIG_IGN);
     if (!hs_output_open(&output, in_folder("half"), &err)) return 1;
     (void)raise(SIGHUP);
@@ -84,7 +76,6 @@ static int ignoring(int channel, void *context) {
 }
 
 static void an_ignored_signal_is_none(void **state) {
-    (void)state;
     hs_child child;
     hs_error err = {0};
     const hs_child_limits none = {0};
@@ -97,11 +88,9 @@ static void an_ignored_signal_is_none(void **state) {
 }
 
 static int set_up_folder(void **state) {
-    (void)state;
     return mkdtemp(folder) ? 0 : -1;
 }
 static int remove_folder(void **state) {
-    (void)state;
     return rmdir(folder);
 }
 

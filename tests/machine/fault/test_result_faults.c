@@ -109,7 +109,6 @@ static void a_failed_plugin_cuts_nothing_away(void **state) {
 }
 
 static void words_name_results(void **state) {
-    (void)state;
     hs_error err = {0};
     uint32_t what;
     assert_true(hs_result_parse("--write", "all", &what, &err));

@@ -85,7 +85,6 @@ static uint32_t open_files(void) {
 
 /* A round and some more take no more memory than SEQUENCE_MAX_VOLUMES volumes, and no more than one file. */
 static void memory_stays_flat(void **state) {
-    (void)state;
     const list *files = write_files(NZ);
     const uint32_t open_before = open_files();
     const size_t before = resident_bytes();
@@ -107,7 +106,6 @@ static void memory_stays_flat(void **state) {
 
 /* Each with the name and the place of its own file. */
 static void volumes_come_in_any_order(void **state) {
-    (void)state;
     const list *files = write_files(2);
     hs_source source = open_list(files);
     uint32_t at = 0;
@@ -127,7 +125,6 @@ static void volumes_come_in_any_order(void **state) {
 }
 
 static void sequences_may_stand_among_them(void **state) {
-    (void)state;
     static list files;
     files.count = 0;
     add_file(&files, 0, 1, 2, "");
@@ -146,7 +143,6 @@ static void sequences_may_stand_among_them(void **state) {
 
 /* Types that are mapped to 8 bit: each file from its own range, which is looked for once. */
 static void ranges_are_kept(void **state) {
-    (void)state;
     static const char text[] =
         "NDims = 3\nDimSize = 2 2 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n";
     static const uint8_t data[2][8] = {{0, 0, 10, 0, 20, 0, 40, 0}, {0, 1, 0, 2, 0, 3, 0, 5}};
@@ -187,7 +183,6 @@ static void expect_failure(const hs_source *source, uint32_t index, const char *
 
 /* Files that go, or become others, while the sequence is played are errors of their frames alone. */
 static void a_file_that_changes_is_told(void **state) {
-    (void)state;
     const list *files = write_files(2);
     hs_source source = open_list(files);
     expect_volume(&source, 1);
@@ -214,7 +209,6 @@ static void expect_refusal(const list *files, const char *told) {
 }
 
 static void what_does_not_fit_is_refused(void **state) {
-    (void)state;
     list files = {.count = 0};
     add_file(&files, 0, 1, 2, "");
     add_file(&files, 1, 1, 3, "");
@@ -229,7 +223,6 @@ static void what_does_not_fit_is_refused(void **state) {
 
 /* Probes of one geometry go together; of another not, even if the Cartesian copies are alike. */
 static void geometries_are_compared(void **state) {
-    (void)state;
     kretz_plan plan = kretz_good();
     list files = {.count = 2};
     kretz_file("a.vol", &plan);

@@ -7,7 +7,6 @@
 #include "support/record.h"
 
 #include <math.h>
-#include <string.h>
 
 static const record *record_of(const hs_plugin *plugin) {
     const record *seen = plugin->instance->get_extension(plugin->instance, RECORD_ID);

@@ -65,7 +65,6 @@ static uint8_t brightest(const hs_volume *volume) {
 
 /* A round and some more take no more memory than five volumes; the file has 25. */
 static void memory_stays_flat(void **state) {
-    (void)state;
     const char *path = write_sequence(VOLUMES);
     const size_t before = resident_bytes();
     hs_source source = open_source(path, NULL);
@@ -88,7 +87,6 @@ static void memory_stays_flat(void **state) {
 }
 
 static void volumes_come_in_any_order(void **state) {
-    (void)state;
     for (uint32_t volumes = 2; volumes <= 7; volumes++) {
         hs_source source = open_source(write_sequence(volumes), &coarse);
         hs_error err = {0};
@@ -109,7 +107,6 @@ static void volumes_come_in_any_order(void **state) {
 
 /* A stream is closed while its thread reads. */
 static void a_stream_ends_at_once(void **state) {
-    (void)state;
     const char *path = write_sequence(VOLUMES);
     for (int turn = 0; turn < 10; turn++) {
         hs_source source = open_source(path, &coarse);
@@ -127,7 +124,6 @@ static void every_frame_shows_its_volume(void **state) {
 
 /* The file loses its end while it is played: the frames that are gone are errors, with file and reason. */
 static void a_failing_file_is_told(void **state) {
-    (void)state;
     const char *path = write_sequence(VOLUMES);
     hs_source source = open_source(path, &coarse);
     hs_error err = {0};
@@ -158,7 +154,6 @@ static void expect_refusal(const char *const *paths, uint32_t count, const hs_so
 }
 
 static void what_does_not_fit_is_refused(void **state) {
-    (void)state;
     const char *path = write_sequence(3);
     const hs_source_files window = {.metaimage = {.has_window = true, .window_low = 0, .window_high = 9}};
     expect_refusal(&path, 1, &window, HS_ERR_USAGE, "a window was given");
@@ -189,7 +184,6 @@ static void gaps_are_told_by_the_padding_value(void **state) {
 
 /* Results on a Cartesian file: its voxels, as they were read. */
 static void cartesian_voxels_are_handed_on(void **state) {
-    (void)state;
     kretz_plan plan = kretz_good();
     kretz_drop(&plan, 0xC200, 1);
     kretz_drop(&plan, 0xC200, 2);

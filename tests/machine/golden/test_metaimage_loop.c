@@ -128,7 +128,6 @@ static void expect_volume(const hs_source *source, const kind *k, uint32_t index
 
 /* A round and some more take no more memory than SEQUENCE_MAX_VOLUMES volumes; the file has 25. */
 static void memory_stays_flat(void **state) {
-    (void)state;
     for (size_t which = 0; which < KINDS; which++) {
         const kind *k = &kinds[which];
         const char *path = write_sequence(k, NZ, 0);
@@ -149,7 +148,6 @@ static void memory_stays_flat(void **state) {
 }
 
 static void volumes_come_in_any_order(void **state) {
-    (void)state;
     for (size_t which = 0; which < KINDS; which++) {
         hs_source source = open_source(write_sequence(&kinds[which], 2, 0));
         uint32_t at = 0;
@@ -162,7 +160,6 @@ static void volumes_come_in_any_order(void **state) {
 }
 
 static void what_is_said_stays_with_its_volume(void **state) {
-    (void)state;
     for (size_t which = 0; which < KINDS; which++) {
         const char *path = write_sequence(&kinds[which], 2, 0);
         hs_source source = open_source(path);
@@ -183,7 +180,6 @@ static void what_is_said_stays_with_its_volume(void **state) {
 
 /* A stream is closed while its thread reads. */
 static void a_stream_ends_at_once(void **state) {
-    (void)state;
     const char *path = write_sequence(&kinds[3], NZ / 4, 0);
     for (int turn = 0; turn < 5; turn++) {
         hs_source source = open_source(path);
@@ -213,7 +209,6 @@ static void expect_failure(const hs_source *source, const kind *k, uint32_t inde
 
 /* The file loses its end while it is played. */
 static void a_failing_file_is_told(void **state) {
-    (void)state;
     const char *path = write_sequence(&kinds[0], NZ, 0);
     hs_source source = open_source(path);
     expect_volume(&source, &kinds[0], 1);
@@ -224,7 +219,6 @@ static void a_failing_file_is_told(void **state) {
 
 /* Compressed bytes that are wrong are met when they are inflated: the volumes before them are played. */
 static void damaged_data_is_told(void **state) {
-    (void)state;
     const kind *k = &kinds[2];
     const char *path = write_sequence(k, NZ, 0);
     FILE *file = fopen(path, "r+b");
@@ -239,7 +233,6 @@ static void damaged_data_is_told(void **state) {
 
 /* That the data ends behind the last volume is checked with it. */
 static void trailing_data_is_told(void **state) {
-    (void)state;
     const kind *k = &kinds[2];
     hs_source source = open_source(write_sequence(k, 2, 3));
     expect_failure(&source, k, VOLUMES - 1, "3 bytes follow after the compressed data");
@@ -250,7 +243,6 @@ static void trailing_data_is_told(void **state) {
 /* A compressed file that is cut while it is read, and whole again later: what was half read is no state to go
  * on from. Noise, so that its bytes come in many pieces. */
 static void a_read_that_failed_starts_anew(void **state) {
-    (void)state;
     enum { SIDE = 64, VOLUME = SIDE * SIDE * SIDE };
     static const char text[] = "NDims = 4\nDimSize = 64 64 64 2\nElementType = MET_UCHAR\n"
                                "CompressedData = True\nElementDataFile = LOCAL\n";

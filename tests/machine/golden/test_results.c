@@ -247,7 +247,6 @@ static void sequences_give_sequences(void **state) {
 
 /* A sequence that this project wrote is read back by it. */
 static void sequences_read_back(void **state) {
-    (void)state;
     hs_source source;
     hs_error err = {0};
     char back[PATH_MAX];

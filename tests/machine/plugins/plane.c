@@ -197,7 +197,6 @@ static uint32_t columns(const sva *a) {
 static sv_status plane_finish(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     const plane *p = a->own;
     const float slope = sva_value(a, PARAM_SHAPE) != 0 ? 1.0f : 0.0f;
-    (void)depth;
     for (uint32_t y = 0; y < a->format.height; y++)
         for (uint32_t x = 0; x < columns(a); x++)
             p->map[(size_t)y * a->format.width + x] = (float)sva_value(a, PARAM_DEPTH) + slope * (float)x;
@@ -231,7 +230,6 @@ static sv_status plane_output(sva *a, const sv_result *result) {
 }
 
 static uint32_t confidence_offered(const sv_plugin *plugin) {
-    (void)plugin;
     return self()->confidence != CONFIDENCE_NONE;
 }
 
@@ -272,7 +270,6 @@ static const sv_ext_confidence ext_old = {.size = offsetof(sv_ext_confidence, of
                                           .read = confidence_read};
 
 static const void *plane_extension(const sva *a, const char *id) {
-    (void)a;
     if (self()->confidence == NO_EXTENSION || strcmp(id, SV_EXT_CONFIDENCE) != 0) return NULL;
     return self()->confidence == CONFIDENCE_OLD ? &ext_old : &ext_confidence;
 }

@@ -22,7 +22,6 @@ static sv_status finish(sva *a, float *depth) {
 }
 
 static const void *extension(const sva *a, const char *id) {
-    (void)a;
     return strcmp(id, RECORD_ID) == 0 ? &seen : NULL;
 }
 

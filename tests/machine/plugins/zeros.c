@@ -6,8 +6,6 @@
 #include <CL/cl.h>
 
 static sv_status finish(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
-    (void)a;
-    (void)depth;
     return SV_OK;
 }
 

@@ -4,18 +4,11 @@
  * with ranges, padding and spacing, at any knob position, in both layouts of the work. Everything up to the
  * layers is integer arithmetic, so on a device that divides exactly the maps are the same bits.
  */
-#include "scene/scene.h"
+#include "support/scene_fixture.h"
 #include "support/surfaces.h"
 #include "support/wall_compare.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 /* The nine scenes; a bladder; a fetus whose tissue fades, so that little of what is dark lies in front of it.
  */
@@ -24,8 +17,7 @@ static void test_scenes(void **state) {
                                         "M03", "D01", "D02", "H09", "R9_7"};
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
         hs_scene_data data;
-        hs_error err = {0};
-        assert_true(hs_scene_generate(names[n], 96, 1, &data, &err));
+        make_scene(names[n], 96, 2, 1, 0, &data, NULL);
         const wall_shape s = {.width = 96, .height = 96, .slices = 96, .slab_slices = 16};
         assert_true(wall_compare(*state, &s, data.full.voxels, names[n]));
         if (n == 1) {
@@ -212,8 +204,7 @@ static void test_ranges(void **state) {
     enum { W = 70, H = 53, D = 64 };
     static sv_scanned ranges[W * H];
     hs_scene_data data;
-    hs_error err = {0};
-    assert_true(hs_scene_generate("E01", D, 1, &data, &err));
+    make_scene("E01", D, 2, 1, 0, &data, NULL);
     uint8_t *volume = wall_layered_noise(W, H, D, 12, 14, 9);
     for (uint32_t y = 0; y < H; y++)
         for (uint32_t x = 0; x < W; x++) {

@@ -4,13 +4,10 @@
  * for a volume as long as it is the same. That the kernels follow the definition is test_wall's.
  */
 #include "ref/ref_wall_steps.h"
-#include "scene/scene.h"
+#include "support/scene_fixture.h"
 #include "support/wall_compare.h"
 #include "support/wall_fixture.h"
 #include "wall_grid.h"
-
-#include <stdio.h>
-#include <string.h>
 
 enum { COLUMNS = 60, ROWS = 50, LAYERS = 40 };
 
@@ -245,8 +242,7 @@ static void test_kernels_follow_the_definition(void **state) {
                               .spacing_mm = {mm, mm, mm},
                               .beams = &beams};
         hs_scene_data data;
-        hs_error err = {0};
-        assert_true(hs_scene_generate(fan % 2 ? "E01" : fan == 6 ? "H10" : "D02", 96, 1, &data, &err));
+        make_scene(fan % 2 ? "E01" : fan == 6 ? "H10" : "D02", 96, 2, 1, 0, &data, NULL);
         uint8_t *noise = wall_layered_noise(96, 96, 96, 30, 20, n);
         (void)wall_compare(*state, &s, n % 3 ? noise : data.full.voxels, "beams");
         wall_expected e = wall_expect(&s, n % 3 ? noise : data.full.voxels, false);

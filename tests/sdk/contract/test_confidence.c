@@ -1,14 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* smartvis.confidence/1: the map on the frame path is the map that read gives, by every way it can travel. */
-#include "scene/scene.h"
 #include "support/rig.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/scene_fixture.h"
 
 enum { SIDE = 48, COUNT = SIDE * SIDE, BYTES = COUNT * 4, OFFSET = 64 };
 static const double WALL = 7.0; /* the value of parameter method */
@@ -24,8 +17,7 @@ static const sv_ext_confidence *extension(const rig *r) {
 static stage *finish_frame(rig *r, double method, bool own_queue, rig_result *out) {
     static rig_format f;
     hs_scene_data data;
-    hs_error err = {0};
-    assert_true(hs_scene_generate("E01", SIDE, 1, &data, &err));
+    make_scene("E01", SIDE, 2, 1, 0, &data, NULL);
     f = (rig_format){.width = SIDE,
                      .height = SIDE,
                      .slices = SIDE,

@@ -298,26 +298,3 @@ bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint3
     }
     return end_map(out, cr, &l, caption, err);
 }
-
-bool hs_picture_labels(hs_picture *out, const uint8_t *label, uint32_t width, uint32_t height,
-                       const hs_caption *caption, hs_error *err) {
-    layout l;
-    if (!begin_map(out, &l, width, height, caption, err)) return false;
-    const size_t count = (size_t)width * height;
-    size_t of_label[4] = {0}; /* the last: unknown */
-    for (size_t i = 0; i < count; i++) of_label[label[i] < 3 ? label[i] : 3]++;
-    for (uint32_t j = 0; j < l.height; j++)
-        for (uint32_t i = 0; i < l.width; i++)
-            *pixel_at(out, &l, i, j) = hs_colour_label(label[entry_at(&l, i, j)]);
-    static const char *const names[4] = {"neither", "sac only", "fetus", "unknown label"};
-    cairo_t *cr = hs_draw_begin(out);
-    double y = l.y;
-    for (uint8_t i = 0; i < 4; i++) {
-        if (i == 3 && of_label[3] == 0) break;
-        char text[96];
-        (void)snprintf(text, sizeof text, "%s: %.1f %%", names[i], percent(of_label[i], count));
-        draw_entry(cr, &l, y, hs_colour_label(i), false, text);
-        y += ROW_STEP;
-    }
-    return end_map(out, cr, &l, caption, err);
-}

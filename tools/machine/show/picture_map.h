@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Maps in colour with a legend beside them: depth, initial points, signed values, shares, labels. Maps are
+ * Maps in colour with a legend beside them: depth, initial points, signed values, shares. Maps are
  * row-major, rows top to bottom, as the camera sees them. Every function allocates *out (hs_picture_free it);
  * on failure it is zeroed. Any thread, on different pictures at once.
  */
@@ -57,9 +57,5 @@ typedef struct {
  * mean stands in the legend. */
 bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint32_t height,
                       const hs_share_words *words, const hs_caption *caption, hs_error *err);
-
-/* A label map (0 neither, 1 sac only, 2 fetus) with the share of each label. */
-bool hs_picture_labels(hs_picture *out, const uint8_t *label, uint32_t width, uint32_t height,
-                       const hs_caption *caption, hs_error *err);
 
 #endif
