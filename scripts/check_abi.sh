@@ -1,11 +1,11 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# check_abi.sh [--write] [INCLUDE_FOLDER]: what of the plugin ABI differs from the versions before it, as libabigail's abidiff
-# sees it. Additions are fine: a field behind the last one of a struct that may grow, a constant, an extension. Everything else is
-# printed, and the exit code is 1; 3 if a tool is missing. Of the headers of extensions each has a table sv_ext_NAME; the helpers
+# check_abi.sh [--write] [INCLUDE_FOLDER]: what of the plugin ABI differs from the versions before it. Additions are fine: a field
+# behind the last one of a struct that may grow, a constant, an extension. Everything else is printed, and the exit code is 1; 3 if
+# a tool is missing. Of the headers of extensions each has a table sv_ext_NAME; the helpers
 # (author*.h, lookup.h, open.h, probe.h) are compiled into plugins and hosts, so they are no ABI.
 #
-#   abi/smartvis-VERSION.abi    the types, written by abidw
+#   abi/types-VERSION.txt       structs and fields, as libabigail's abidw sees them (scripts/abi_types.py)
 #   abi/constants-VERSION.txt   the constants, of which debug information says nothing
 #
 # Every version that has a dump is compared with. --write adds that of the version the header names, when it is released.
@@ -15,8 +15,8 @@ write=0
 if [ "${1:-}" = --write ]; then write=1 && shift; fi
 root=$(cd "$(dirname "$0")/.." && pwd)
 include=$(cd "${1:-$root/include}" && pwd)
-for tool in abidw abidiff gcc; do
-    command -v $tool > /dev/null || { echo "abi: no $tool: apt-get install abigail-tools gcc" >&2; exit 3; }
+for tool in abidw gcc python3; do
+    command -v $tool > /dev/null || { echo "abi: no $tool: apt-get install abigail-tools gcc python3" >&2; exit 3; }
 done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -38,6 +38,7 @@ done
 gcc -std=c11 -g -gdwarf-4 -shared -fPIC -I "$include" types.c -o types.so
 abidw --no-corpus-path --no-comp-dir-path --no-show-locs --no-elf-needed --no-architecture --type-id-style hash \
     --out-file types.abi types.so
+python3 -B "$root/scripts/abi_types.py" types.abi > types.txt
 
 files=("${headers[@]/#/smartvis/}")
 files=("${files[@]/%/.h}")
@@ -62,54 +63,35 @@ gcc -std=c11 -I "$include" constants.c -o constants
 
 if [ $write = 1 ]; then
     version=$(awk '/^#define SV_ABI_(MAJOR|MINOR) / { printf "%s%d", dot, $3; dot = "." }' "$include/smartvis_plugin.h")
-    cp types.abi "$root/abi/smartvis-$version.abi"
+    cp types.txt "$root/abi/types-$version.txt"
     cp constants.txt "$root/abi/constants-$version.txt"
     exit 0
 fi
 
-# abidiff's own rule for members at the end lets changes of other members pass, so its report is read here: what is known to
-# be an addition is let through, every other line is a breach. The exit code says if there is a report at all.
+# Fields that are gone, called otherwise, elsewhere or of another type; fields before the end; structs that shrink, or grow and never may.
 types() { # types DUMP
-    local code=0
-    abidiff --leaf-changes-only --harmless --no-show-locs "$1" types.abi > report || code=$?
-    [ $((code & 3)) = 0 ] || { cat report; echo "abi: abidiff failed"; return 1; }
     awk '
-function breach(line) { print "abi: " (type != "" ? type ": " : "") line; failed = 1 }
-/^$/ || /^Leaf changes summary:/ || /^Changed leaf types summary:/ { next }
-/^Removed\/Changed\/Added (functions|variables) summary: 0 Removed, 0 Changed, / { next }
-/^[0-9]+ Added functions?:$/ || /^ *\[A\] / { next }
-/^.struct [a-z_]+.*changed:$/ { type = $2; sub(/\x27.*/, "", type); next }
-/^  type size changed from [0-9]+ to [0-9]+ \(in bits\)$/ {
-    old = $5
-    # They travel in arrays: another size is another distance between elements.
-    if (type ~ /^sv_(param_value|scanned)$/) breach("never grows, but" substr($0, 2))
-    next
-}
-/^  type size hasn.t changed$/ { old = 1e9; next }
-/^  [0-9]+ data member insertions?:$/ { next }
-/^    .*, at offset [0-9]+ \(in bits\)$/ {
-    match($0, /at offset [0-9]+/)
-    if (substr($0, RSTART + 10, RLENGTH - 10) + 0 < old) breach("a field before the end:" substr($0, 4))
-    next
-}
-{ sub(/^ +/, ""); breach($0) }
-END { exit failed }' report
-}
-
-# A field that is called otherwise: the same to a binary, and abidiff says little of it, but sources stop to compile.
-fields() {
-    awk -F"'" '
-    /<class-decl / { for (i = 1; i < NF; i += 2) if ($i ~ / name=$/) name = $(i + 1) }
-    /<\/class-decl>/ { name = "" }
-    /<var-decl / && name != "" { print name "." $2 }' "$1"
-}
-fields types.abi > fields.txt
-names() { # names DUMP
-    local code=0
-    while read -r field; do
-        grep -qxF -- "$field" fields.txt || { echo "abi: $field: gone, or called otherwise"; code=1; }
-    done < <(fields "$1")
-    return $code
+    function breach(line) { print "abi: " line; failed = 1 }
+    function rest(line) { sub(/^[^ ]+ /, "", line); return line }
+    NR == FNR && $2 == "size" { size[$1] = $3; next }
+    NR == FNR { field[$1] = $0; next }
+    $2 == "size" { size_now[$1] = $3; next }
+    {
+        now[$1] = $0
+        struct = $1
+        sub(/[.].*/, "", struct)
+        if (!($1 in field) && struct in size && $2 < size[struct]) breach(struct ": a field before the end: " $0)
+    }
+    END {
+        for (f in field)
+            if (!(f in now)) breach(f ": gone, or called otherwise")
+            else if (now[f] != field[f]) breach(f ": was at " rest(field[f]) ", is at " rest(now[f]))
+        for (s in size)
+            if (size_now[s] < size[s]) breach(s ": had " size[s] " bytes, has " size_now[s] + 0)
+            else if (size_now[s] > size[s] && s ~ /^sv_(param_value|scanned)$/) # arrays: another size is another distance
+                breach(s ": never grows, but has " size_now[s] " bytes")
+        exit failed
+    }' "$1" types.txt
 }
 
 # A constant that is gone or has another value.
@@ -125,10 +107,8 @@ constants() { # constants LIST
 }
 
 failed=0
-for dump in "$root"/abi/smartvis-*.abi; do
-    version=${dump##*smartvis-} version=${version%.abi}
+for dump in "$root"/abi/types-*.txt; do
     types "$dump" || failed=1
-    names "$dump" || failed=1
-    constants "$root/abi/constants-$version.txt" || failed=1
+    constants "${dump/types-/constants-}" || failed=1
 done
 exit $failed

@@ -7,27 +7,22 @@ command -v clang > /dev/null || { echo "skipped: clang is not installed"; exit 7
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 source_dir=$1
-dump=$(printf '%s\n' "$source_dir"/abi/smartvis-*.abi | sort -V | tail -n 1)
+dump=$(printf '%s\n' "$source_dir"/abi/types-*.txt | sort -V | tail -n 1)
 {
     printf '#include <stddef.h>\n#include "smartvis_plugin.h"\n'
-    sed -nE "s/.*class-decl name='sv_ext_([a-z]+)'.*/#include \"smartvis\/\1.h\"/p" "$dump"
-    printf '#define AT(type, field, bits) _Static_assert(8 * offsetof(type, field) == (bits), #type "." #field " moved")\n'
+    sed -nE 's/^sv_ext_([a-z]+) size .*/#include "smartvis\/\1.h"/p' "$dump"
+    printf '#define AT(type, field, byte) _Static_assert(offsetof(type, field) == (byte), #type "." #field " moved")\n'
     printf '#define SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type " changed its size")\n'
 } > "$work/head.h"
-awk -F"'" '
-/<class-decl / { type = $2 }
-/<data-member / { for (i = 1; i < NF; i += 2) if ($i ~ / layout-offset-in-bits=$/) at = $(i + 1) }
-/<var-decl / && type { printf "AT(%s, %s, %s);\n", type, $2, at }
-/<\/class-decl>/ { print "SIZE(" type ", );"; type = "" }' "$dump" > "$work/lines"
 # A struct may have grown since: its size is that of this machine, which check_abi.sh compares with the dump.
 {
     cat "$work/head.h"
     printf '#include <stdio.h>\nint main(void) {\n'
-    sed -nE 's/^SIZE\(([a-z_]+),.*/    printf("SIZE(\1, %zu);\\n", sizeof(\1));/p' "$work/lines"
+    sed -nE 's/^([a-z_]+) size .*/    printf("SIZE(\1, %zu);\\n", sizeof(\1));/p' "$dump"
     printf '    return 0;\n}\n'
 } > "$work/sizes.c"
 clang -std=c11 -I "$source_dir/include" "$work/sizes.c" -o "$work/sizes"
-{ cat "$work/head.h"; grep '^AT' "$work/lines"; "$work/sizes"; } > "$work/layout.c"
+{ cat "$work/head.h"; sed -nE 's/^([a-z_]+)\.([a-z_]+) ([0-9]+) .*/AT(\1, \2, \3);/p' "$dump"; "$work/sizes"; } > "$work/layout.c"
 count=$(grep -cE '^(AT|SIZE)\(' "$work/layout.c")
 [ "$count" -ge 190 ] || { echo "only $count assertions found"; exit 1; }
 # check TARGET FILE: no system's headers; the compiler brings stdint.h and stddef.h itself.
