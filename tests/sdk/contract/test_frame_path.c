@@ -5,6 +5,7 @@
  * interposed heap. With the plugin's own queue, end and adjust wait exactly once.
  */
 #include "support/fixture.h"
+#include "support/surfaces.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
 
@@ -111,6 +112,37 @@ static void frames_are_quiet(void **state) {
         }
     free(wide);
     assert_int_equal(clReleaseMemObject(buffer), CL_SUCCESS);
+}
+
+/* The methods, with and without the pre-filter, at full and at half resolution. */
+static void methods_are_quiet(void **state) {
+    fixture *f = *state;
+    const sv_plugin *p = f->r.plugin;
+    const sv_param_value any = {rig_param(&f->r, "evidence"), 0, 0.0}, q = {rig_param(&f->r, "q"), 0, 0.75};
+    const sv_frame frame = {.size = sizeof frame, .values = &any, .value_count = 1};
+    watch(f);
+    for (int method = surface_next(-1); method >= 0; method = surface_next(method))
+        for (uint32_t n = 0; n < 12; n++) {
+            const rig_format how = {.fixed = {{rig_param(&f->r, "method"), 0, method},
+                                              {rig_param(&f->r, "prefilter"), 0, n / 6},
+                                              {rig_param(&f->r, "strategy"), 0, 1 + n % 3},
+                                              {rig_param(&f->r, "reduction"), 0, 1 + n / 3 % 2}},
+                                    .fixed_count = 4};
+            const sv_result result = fixture_result(f);
+            fixture_change(f, how);
+            assert_int_equal(fixture_activate(f), SV_OK);
+            forget();
+            assert_int_equal(p->begin(p, &frame), SV_OK);
+            assert_int_equal(fixture_slabs(f), SV_OK);
+            assert_int_equal(p->end(p, &result), SV_OK);
+            assert_quiet(surface_name(method), 0, 1);
+            assert_int_equal(p->adjust(p, &q, 1, &result), SV_OK);
+            assert_quiet(surface_name(method), 0, 1);
+            assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
+            assert_int_equal(f->out.stats.unfilled, 0);
+            p->deactivate(p);
+            assert_int_equal(spy_live(), 0);
+        }
 }
 
 /* An error on the frame path is no occasion to allocate either. With its own queue the plugin waits then, so
@@ -339,6 +371,7 @@ int main(void) {
         FIXTURE_TEST(each_program_is_built_once),
         FIXTURE_TEST(the_spy_sees_blocking_calls),
         FIXTURE_TEST(frames_are_quiet),
+        FIXTURE_TEST(methods_are_quiet),
         FIXTURE_TEST(refusals_are_quiet),
         FIXTURE_TEST(what_runs_is_waited_for),
         FIXTURE_TEST(timed_frames),

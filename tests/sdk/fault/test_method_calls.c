@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the reconstruction methods ask of OpenCL and of the heap: on the frame path they make, build and
- * allocate nothing and never wait; and whichever of their calls fails, in activate or in a frame, there is an
- * error with a reason, nothing is left behind, and the next frame is good.
+ * What the reconstruction methods ask of OpenCL and of the heap: whichever of their calls fails, in activate
+ * or in a frame, there is an error with a reason, nothing is left behind, and the next frame is good.
  */
 #include "support/fixture.h"
 #include "support/surfaces.h"
@@ -45,41 +44,6 @@ static void assert_good(fixture *f) {
     assert_int_equal(f->out.stats.outcome, SV_OK);
     assert_int_equal(f->out.stats.unfilled, 0);
     for (int i = 0; i < FIXTURE_RAYS; i++) assert_true(isfinite(f->out.depth[i]));
-}
-
-static void assert_quiet(const char *method) {
-    if (spy_cold() > 0)
-        fail_msg("%s: %u kernels were never launched with their local size", method, spy_cold());
-    const uint32_t made = spy_count(SPY_CREATE) + spy_count(SPY_BUILD) + spy_count(SPY_RELEASE);
-    const uint32_t waited = spy_count(SPY_WAIT) + spy_blocking();
-    if (made + waited + heap_spy_count() > 0)
-        fail_msg("%s: %u objects made or released, %u waits, %u allocations", method, made, waited,
-                 heap_spy_count());
-    assert_true(spy_count(SPY_ENQUEUE) > 0);
-}
-
-static void frames_are_quiet(void **state) {
-    fixture *f = *state;
-    spy_watch(f->r.entry);
-    heap_spy_watch(f->r.entry);
-    const sv_param_value q = {rig_param(&f->r, "q"), 0, 0.75};
-    for (int method = surface_next(-1); method >= 0; method = surface_next(method))
-        for (int prefilter = 0; prefilter < 2; prefilter++)
-            for (uint32_t layout = 0; layout < 6; layout++) {
-                choose(f, method, prefilter, 1 + layout % 3, 1 + layout / 3);
-                assert_int_equal(fixture_activate(f), SV_OK);
-                spy_reset();
-                heap_spy_reset();
-                assert_int_equal(frame(f), SV_OK);
-                assert_quiet(surface_name(method));
-                spy_reset();
-                const sv_result result = fixture_result(f);
-                assert_int_equal(f->r.plugin->adjust(f->r.plugin, &q, 1, &result), SV_OK);
-                assert_quiet(surface_name(method));
-                assert_good(f);
-                f->r.plugin->deactivate(f->r.plugin);
-                assert_int_equal(spy_live(), 0);
-            }
 }
 
 /* One activation whose nth call fails. False if it makes fewer calls. */
@@ -179,7 +143,7 @@ static void wrong_answers_are_noticed(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {FIXTURE_TEST(frames_are_quiet), FIXTURE_TEST(activations_fail),
+    const struct CMUnitTest tests[] = {FIXTURE_TEST(activations_fail),
                                        FIXTURE_TEST(wrong_answers_are_noticed), FIXTURE_TEST(frames_fail),
                                        FIXTURE_TEST(allocations_fail)};
     return cmocka_run_group_tests(tests, NULL, NULL);
