@@ -8,18 +8,15 @@ import tempfile
 import webbrowser
 import zlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _host, _images, _metaimage
 from ._errors import HostError
-from ._view import on_square
+from ._view import Camera, on_square
 from ._volume import to_uint8
-
-if TYPE_CHECKING:
-    from ._result import Result
 
 KINDS = ("panel", "slices", "result", "full", "depthmap")
 
@@ -74,21 +71,22 @@ def encode(rgb: NDArray[np.uint8]) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + parts
 
 
-def render(result: Result, volume: Any, kind: str, size: int, window: tuple[float, float] | None) -> Picture:
-    """The volume with the result's surface as `host_sim run` draws it, seen along the result's rays."""
+def render(
+    camera: Camera, depth: NDArray[np.float32], volume: Any, kind: str, size: int, window: tuple[float, float] | None
+) -> Picture:
+    """The volume with this surface (0: nothing clipped) as `host_sim run` draws it, seen along the camera's rays."""
     if kind not in KINDS:
         raise ValueError(f"kind='{kind}' is none of {', '.join(KINDS)}")
     if volume is None:
         raise ValueError("the result does not know its volume: give it, picture(volume)")
     voxels = to_uint8(_images.array(volume) if _images.is_image(volume) else np.asarray(volume), window)
-    camera = result.camera
     if voxels.shape != camera.source_shape:
         raise ValueError(f"volume has shape {voxels.shape}, what was clipped had {camera.source_shape}")
     try:
         _host.find()
     except HostError as error:
         raise HostError(f"{error}; smartvis.quick_look(volume, result) draws without it") from None
-    depths = on_square(camera, result.depth if result.clips else np.zeros_like(result.depth))
+    depths = on_square(camera, depth)
     with tempfile.TemporaryDirectory() as folder:
         _metaimage.write(Path(folder) / "volume.mha", camera.see(voxels), camera.spacing)
         _metaimage.write(Path(folder) / "surface.mha", depths)

@@ -116,7 +116,8 @@ class Result:
 
         HostError: host_sim is not there, or cannot draw it. `quick_look` needs no host.
         """
-        return render(self, self.source if volume is None else volume, kind, size, self.window)
+        depth = self.depth if self.clips else np.zeros_like(self.depth)
+        return render(self.camera, depth, self.source if volume is None else volume, kind, size, self.window)
 
     def show(self, volume: Any = None, kind: str = "panel", size: int = 512) -> None:
         """Opens `picture`."""

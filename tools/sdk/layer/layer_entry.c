@@ -302,6 +302,7 @@ static sv_status create_checked(const sv_host *host, const char *id, const sv_pl
     i->api.plugin_data = i;
     i->api.destroy = ly_destroy;
     ly_fill_calls(i);
+    ly_fill_extensions(i);
     *out = &i->api;
     return SV_OK;
 }

@@ -274,5 +274,4 @@ void ly_fill_calls(ly_instance *i) {
     i->api.param_info = ly_param_info;
     i->api.param_text = ly_param_text;
     i->api.last_error = ly_last_error;
-    ly_fill_extensions(i);
 }
