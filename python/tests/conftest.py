@@ -37,8 +37,8 @@ def host_sim(*arguments: object) -> None:
 
 
 def write_dicom(folder: Path, image: sitk.Image, series: str = "1.2.3.4", step: float = 0.0) -> list[Path]:
-    """A DICOM series of the image's slices in its place; file names run against their order. The rear half lies `step` mm
-    further behind."""
+    """A DICOM series of the image's slices in its place; file names run against their order. The rear half lies `step`
+    mm further behind."""
     folder.mkdir(exist_ok=True)
     writer = sitk.ImageFileWriter()
     writer.KeepOriginalImageUIDOn()
