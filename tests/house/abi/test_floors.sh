@@ -88,7 +88,7 @@ include/smartvis/stats.h <string.h>
 include/smartvis/author.h <CL/cl.h> "common/sv_shared.h"
 cl/mean/mean.cl "device/clx.h" "wall/wall.clh" "../../host_sim/render/cl/sample.clh"
 cl/common/sv_shared.h <stdint.h> "mean/sums.clh"
-src/quantise.c "ref/ref_mean.h" <CL/cl.h> "smartvis_plugin.h"
+src/quantise.c "ref/ref_mean.h" <CL/cl.h>
 src/ref/ref_mean.c "smartvis_plugin.h" <CL/cl.h> "device/clx.h" "../device/clx.h"
 src/device/clx.c "method/method.h" "quantise.h" "mean/mean.cl" "wall/wall.clh" <png.h>
 src/method/method.c "frame/frame.h"
