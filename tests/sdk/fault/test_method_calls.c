@@ -114,8 +114,10 @@ static void allocations_fail(void **state) {
             heap_spy_fail(0);
             if (status == SV_OK) f->r.plugin->deactivate(f->r.plugin);
             if (!failed) break;
-            assert_int_equal(status, SV_ERR_NO_MEMORY);
+            fixture_refused(f, status, SV_ERR_NO_MEMORY, "no memory for ");
+            assert_int_equal(fixture_begin(f), SV_ERR_STATE);
             assert_int_equal(spy_live(), 0);
+            assert_int_equal(heap_spy_live(), 0);
         }
     }
 }

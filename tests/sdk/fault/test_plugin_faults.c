@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The plugin's own allocations fail, one by one: create, activate, and a failing build that needs memory for
- * its log. Not under AddressSanitizer, which owns the heap (spy/heap_spy.h).
+ * The plugin's own allocations fail, one by one: of create, and of a failing build that needs memory for its
+ * log; test_method_calls has those of activate. Not under AddressSanitizer, which owns the heap
+ * (spy/heap_spy.h).
  */
 #include "programs/shared_programs.h"
 #include "support/fixture.h"
@@ -41,33 +42,6 @@ static void create(void **state) {
     assert_int_equal(heap_spy_live(), 0);
 }
 
-static void activate(void **state) {
-    need_the_heap();
-    fixture *f = *state;
-    spy_watch(f->r.entry);
-    heap_spy_watch(f->r.entry);
-    uint32_t n = 1;
-    for (;; n++) {
-        heap_spy_fail(n);
-        const sv_status status = fixture_activate(f);
-        const bool failed = heap_spy_failed();
-        heap_spy_fail(0);
-        if (!failed) {
-            assert_int_equal(status, SV_OK);
-            break;
-        }
-        fixture_refused(f, status, SV_ERR_NO_MEMORY, "no memory for ");
-        assert_int_equal(fixture_begin(f), SV_ERR_STATE);
-        assert_int_equal(spy_live(), 0);
-        assert_int_equal(heap_spy_live(), 0);
-    }
-    print_message("%u allocations failed once\n", n - 1);
-    assert_true(n > 2); /* timing events, and what the self-test needs */
-    fixture_frame_is_good(f);
-    f->r.plugin->deactivate(f->r.plugin);
-    assert_int_equal(heap_spy_live(), 0);
-}
-
 /* Without memory for the build log the error is still that of the build. */
 static void build_log(void **state) {
     need_the_heap();
@@ -87,6 +61,6 @@ static void build_log(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {FIXTURE_TEST(create), FIXTURE_TEST(activate), FIXTURE_TEST(build_log)};
+    const struct CMUnitTest tests[] = {FIXTURE_TEST(create), FIXTURE_TEST(build_log)};
     return cmocka_run_group_tests_name("heap faults", tests, NULL, NULL);
 }
