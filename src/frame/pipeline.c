@@ -10,7 +10,7 @@
 #include <stdio.h>
 
 /* Maps up to this many pixels are reconstructed in one launch by one work item: there a launch costs as much
- * as a pass (docs/performance.md, "bands or one launch"). */
+ * as a pass (docs/performance.md). */
 enum { SINGLE_MAX_PIXELS = 200 * 200 };
 /* Slabs wait until they hold this many voxels: about what a launch costs, so waiting longer gains nothing. */
 enum { BATCH_VOXELS = 1 << 20 };

@@ -83,8 +83,8 @@ typedef struct {
 } hs_console_state;
 
 /* -------------------------------------------------------------------------------------------- messages -- */
-/* Messages of a page, from text to values. A pure function: nothing is read, opened or kept. docs/console.md
- * has the fields. */
+/* Messages of a page, from text to values. A pure function: nothing is read, opened or kept.
+ * state.js has the fields of a state. */
 
 #define HS_CONSOLE_MAX_MESSAGE 16384u /* bytes */
 
@@ -310,7 +310,7 @@ hs_loop *hs_console_stage_loop(hs_console_stage *stage);
 char *hs_console_line(const hs_console_stage *stage, uint32_t lane);
 
 /* --------------------------------------------------------------------------------------------- replies -- */
-/* What the console tells a page, as JSON: docs/console.md has the fields. Every function returns a text that
+/* What the console tells a page, as JSON (docs/console.md). Every function returns a text that
  * the caller frees, or NULL without memory. */
 
 /* What there is to choose from: scenes, files, plugins, stages. */
