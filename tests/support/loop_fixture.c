@@ -16,14 +16,12 @@ hs_volume make_layers(bool bright) {
 
 int set_up(void **state) {
     static fixture f;
-    char path[1024];
     hs_error err = {0};
-    const char *build = getenv("SV_BUILD_DIR");
-    (void)snprintf(path, sizeof path, "%s/tests/plugins/plane.so", build ? build : ".");
-    if (!hs_cl_open(&f.cl, &err) || !hs_plugin_open(&f.plugin, path, NULL, SV_LOG_WARNING, &err)) {
+    if (!hs_cl_open(&f.cl, &err)) {
         print_error("%s\n", err.text);
         return -1;
     }
+    open_plugin(&f.plugin, "plane");
     f.layers = make_layers(false);
     f.bright = make_layers(true);
     f.both[0] = &f.layers;
@@ -51,6 +49,13 @@ hs_loop_options options_with(const sv_param_value *values, uint32_t count) {
     o.dvr.width = o.dvr.height = PICTURE;
     o.values = values;
     o.value_count = count;
+    return o;
+}
+
+hs_loop_options options_on(bool own_queue, const sv_param_value *values, uint32_t count) {
+    hs_loop_options o = options_with(values, count);
+    o.own_queue = own_queue;
+    o.carrier = own_queue ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
     return o;
 }
 

@@ -38,6 +38,8 @@ int tear_down(void **state);
 
 /* FRAMES frames in slabs of 6, 6 and 4 slices; the values are borrowed. */
 hs_loop_options options_with(const sv_param_value *values, uint32_t count);
+/* The same on the plugin's own queue from host memory, or on the host's from a buffer. */
+hs_loop_options options_on(bool own_queue, const sv_param_value *values, uint32_t count);
 
 /* A plugin of the tests' own; the fixture's is plane.so. */
 void open_plugin(hs_plugin *plugin, const char *name);

@@ -162,14 +162,14 @@ static void unlisted_artefacts_cost_nothing(void **state) {
     hs_scene_close(scene);
 }
 
-/* Occluders before a given volume: a ball of tissue in fluid. The truth is the volume moved back, and what is
- * put before the ball leaves fluid between. */
+/* Occluders before a given volume: a ball of tissue in fluid, which a constant would not be. The truth is the
+ * volume moved back, and what is put before the ball leaves fluid between. */
 static void real_volumes_are_their_own_truth(void **state) {
     enum { NX = 48, NY = 40, NZ = 56 };
     static uint8_t ball[NX * NY * NZ];
     for (int i = 0; i < NX * NY * NZ; i++) {
         double x = i % NX - 24.0, y = i / NX % NY - 20.0, z = i / (NX * NY) - 38.0;
-        ball[i] = x * x + y * y + z * z < 144.0 ? 150 : 8;
+        ball[i] = x * x + y * y + z * z < 144.0 ? 150 : (uint8_t)(7 + i % 3);
     }
     char path[64];
     snprintf(path, sizeof path, "/tmp/scene_real_%ld.mha", (long)getpid());

@@ -14,9 +14,7 @@ enum { PLANE = 8 }; /* slices: step 25, five before the fetus; the occluder ends
 
 /* w = 10 steps before the surface, and up to 3 w more where nothing is sure: as far as the occluder. */
 static hs_loop_options ghosted(const sv_param_value *value, bool own_queue, float doubt) {
-    hs_loop_options o = options_with(value, 1);
-    o.own_queue = own_queue;
-    o.carrier = own_queue ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
+    hs_loop_options o = options_on(own_queue, value, 1);
     o.dvr.ghost_offset = o.dvr.ghost_width = 10.0f;
     o.dvr.ghost_doubt = doubt;
     return o;

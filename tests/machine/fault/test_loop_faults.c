@@ -26,9 +26,7 @@ static void a_plugin_that_fails_in_any_call_leaves_an_unclipped_picture(void **s
         for (int own = 0; own < 2; own++) {
             const sv_param_value values[2] = {{.id = FAIL, .value = cases[i].call},
                                               {.id = DEPTH, .value = 5}};
-            hs_loop_options o = options_with(values, 2);
-            o.own_queue = own;
-            o.carrier = own ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
+            const hs_loop_options o = options_on(own, values, 2);
             hs_loop *loop = make_loop(f, &o);
             hs_view view = view_of(loop, 0);
             assert_unclipped(&view);
@@ -45,9 +43,7 @@ static void a_note_is_rendered_unclipped_and_is_no_error(void **state) {
     const fixture *f = *state;
     for (int own = 0; own < 2; own++) {
         const sv_param_value values[2] = {{.id = NOTE, .value = 1}, {.id = DEPTH, .value = 5}};
-        hs_loop_options o = options_with(values, 2);
-        o.own_queue = own;
-        o.carrier = own ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
+        const hs_loop_options o = options_on(own, values, 2);
         hs_loop *loop = make_loop(f, &o);
         hs_view view = view_of(loop, 0);
         assert_unclipped(&view);
@@ -140,9 +136,7 @@ static void an_adjust_that_writes_nothing_is_a_failure(void **state) {
         forgetful.adjust = adjust_without_a_map;
         plugin.instance = &forgetful;
         const sv_param_value depth = {.id = DEPTH, .value = 5};
-        hs_loop_options o = options_with(&depth, 1);
-        o.own_queue = own;
-        o.carrier = own ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
+        const hs_loop_options o = options_on(own, &depth, 1);
         hs_loop *loop = make_loop_of(f, &plugin, &o);
         hs_view view = view_of(loop, 0);
         assert_true(view.frame.clipped);

@@ -34,51 +34,31 @@ static void write_edited(const char *name, const char *without, const char *line
     files_write(name, text, good_data, GOOD_BYTES);
 }
 
+/* Those of test_metaimage_edges have a file beside them that is read. */
 static void values_out_of_range_are_named(void **state) {
     static const struct {
         const char *field, *value, *told;
     } bad[] = {
-        {"NDims", "2", "NDims is '2', expected 3 (a volume) or 4 (a sequence of volumes)"},
-        {"NDims", "5", "NDims is '5'"},
         {"NDims", "3.0", "NDims is '3.0'"},
         {"NDims", "-3", "NDims is '-3'"},
         {"NDims", "99999999999999999999999", "NDims is '99999999999999999999999'"},
         {"DimSize", "65535 65535 65535",
          "DimSize is '65535 65535 65535', expected one number per dimension, each 1 .. 2048"},
-        {"DimSize", "2048 2048 2048", "DimSize is '2048 2048 2048', expected at most 2147483648 voxels"},
-        {"DimSize", "0 3 2", "DimSize is '0 3 2'"},
         {"DimSize", "4 -1 2", "DimSize is '4 -1 2'"},
         {"DimSize", "4 3 4294967298", "DimSize is '4 3 4294967298'"},                     /* 2 + 2^32 */
         {"DimSize", "4 3 18446744073709551618", "DimSize is '4 3 18446744073709551618'"}, /* 2 + 2^64 */
         {"DimSize", "4 3", "DimSize is '4 3'"},
-        {"DimSize", "4 3 2 1", "DimSize is '4 3 2 1', expected as many numbers as NDims"},
         {"DimSize", "4x 3 2", "DimSize is '4x 3 2'"},
         {"DimSize", "", "DimSize is ''"},
-        {"ElementType", "MET_COMPLEX", "ElementType is 'MET_COMPLEX', expected MET_UCHAR"},
         {"ElementType", "met_ushort", "ElementType is 'met_ushort'"},
         {"ElementType", "MET_UCHAR_ARRAY", "ElementType is 'MET_UCHAR_ARRAY'"},
-        {"ElementSpacing", "1 0 1", "ElementSpacing is '1 0 1', expected three numbers above 0 (mm)"},
         {"ElementSpacing", "1 -2 1", "ElementSpacing is '1 -2 1'"},
         {"ElementSpacing", "1 nan 1", "ElementSpacing is '1 nan 1'"},
-        {"ElementSpacing", "1 1e999 1", "ElementSpacing is '1 1e999 1'"},
-        {"ElementSpacing", "1 1", "ElementSpacing is '1 1'"},
-        {"ElementNumberOfChannels", "2", "ElementNumberOfChannels is '2', expected 1"},
-        {"ObjectType", "Tube", "ObjectType is 'Tube', expected Image"},
-        {"BinaryData", "False", "BinaryData is 'False', expected True"},
-        {"BinaryData", "maybe", "BinaryData is 'maybe', expected True or False"},
-        {"BinaryDataByteOrderMSB", "2", "BinaryDataByteOrderMSB is '2', expected True or False"},
-        {"CompressedData", "zlib", "CompressedData is 'zlib', expected True or False"},
-        {"HeaderSize", "-2", "HeaderSize is '-2', expected a number of bytes, or -1"},
-        {"HeaderSize", "12", "HeaderSize is '12', expected 0, -1 or the length of the text"},
         {"HeaderSize", "18446744073709551615", "0 bytes of data, expected 48"},
-        {"ElementDataFile", "LIST", "ElementDataFile is 'LIST', expected LOCAL or the name of one file"},
-        {"ElementDataFile", "slice%03d.raw 1 3 1", "ElementDataFile is 'slice%03d.raw 1 3 1'"},
         {"ElementDataFile", "", "ElementDataFile is ''"},
         {"ElementDataFile", "none.raw",
          "ElementDataFile 'none.raw': cannot be read: No such file or directory"},
         {"ElementDataFile", ".", "ElementDataFile '.': cannot be read: not a regular file"},
-        {"ElementDataFile", "/dev/zero",
-         "ElementDataFile is '/dev/zero', expected a file in the header's folder or below"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char line[128];
@@ -86,9 +66,6 @@ static void values_out_of_range_are_named(void **state) {
         write_edited("bad.mha", bad[i].field, line);
         files_refused("bad.mha", bad[i].told);
     }
-    write_edited("bad.mha", "", "BinaryDataByteOrderMSB = True\nElementByteOrderMSB = False\n");
-    files_refused("bad.mha",
-                  ":8: ElementByteOrderMSB is 'False', expected the same as BinaryDataByteOrderMSB");
     write_edited("bad.mha", "NDims", "NDims = 4\n");
     files_refused("bad.mha", "DimSize is '4 3 2', expected a fourth size of 1");
 }
@@ -203,13 +180,6 @@ static void compressed_streams_must_fit_the_header(void **state) {
     memcpy(trailed, packed, bytes);
     files_write("trail.mha", "CompressedData = True\n" GOOD_TEXT, trailed, bytes + 3);
     files_refused("trail.mha", "3 bytes follow after the compressed data");
-    char text[512], told[96];
-    (void)snprintf(text, sizeof text, "CompressedData = True\nCompressedDataSize = %zu\n" GOOD_TEXT,
-                   bytes + 3);
-    (void)snprintf(told, sizeof told, ":2: CompressedDataSize is '%zu', but 'LOCAL' has %zu bytes", bytes + 3,
-                   bytes);
-    files_write("size.mha", text, packed, bytes);
-    files_refused("size.mha", told);
     files_write("size.mha", "CompressedData = True\nCompressedDataSize = -5\n" GOOD_TEXT, packed, bytes);
     files_refused("size.mha", "CompressedDataSize is '-5', expected a number of bytes");
     files_write("size.mha", "CompressedData = True\nHeaderSize = -1\n" GOOD_TEXT, packed, bytes);

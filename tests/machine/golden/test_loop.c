@@ -151,9 +151,7 @@ static void a_partial_map_clips_where_it_has_a_surface(void **state) {
     open_plugin(&partial, "partial");
     for (int own = 0; own < 2; own++) {
         const sv_param_value value = {.id = DEPTH, .value = 5};
-        hs_loop_options o = options_with(&value, 1);
-        o.own_queue = own;
-        o.carrier = own ? SV_CARRIER_HOST : SV_CARRIER_BUFFER;
+        const hs_loop_options o = options_on(own, &value, 1);
         hs_loop *loop = make_loop_of(f, &partial, &o);
         hs_view view = view_of(loop, 0);
         char note[160];
