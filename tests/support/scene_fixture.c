@@ -72,24 +72,22 @@ void check_scene_pixel(const hs_scene_data *d, size_t pixel) {
     assert_true(d->clip[pixel] >= d->near_end[pixel] && d->clip[pixel] <= d->far_end[pixel]);
 }
 
-/* A scene opened from a file with this text; hs_scene_close it. */
-static hs_scene *scene_of_text(const char *text) {
+hs_scene *scene_of_text(const char *text, hs_error *err) {
     char path[64];
-    hs_error err = {0};
     (void)snprintf(path, sizeof path, "/tmp/scene_of_text_%ld.json", (long)getpid());
     FILE *file = fopen(path, "w");
     assert_non_null(file);
     assert_true(fputs(text, file) >= 0);
     assert_int_equal(fclose(file), 0);
-    hs_scene *scene = hs_scene_open(path, &err);
+    hs_scene *scene = hs_scene_open(path, err);
     (void)unlink(path);
-    if (!scene) fail_msg("%s", err.text);
     return scene;
 }
 
 void make_text_scene(const char *text, uint32_t size, hs_scene_data *out) {
     hs_error err = {0};
-    hs_scene *scene = scene_of_text(text);
+    hs_scene *scene = scene_of_text(text, &err);
+    if (!scene) fail_msg("%s", err.text);
     const hs_scene_options options = {.size = size, .threads = 2};
     if (!hs_scene_frame(scene, &options, out, NULL, &err)) fail_msg("%s", err.text);
     hs_scene_close(scene);

@@ -37,6 +37,9 @@ uint8_t scene_voxel(const uint8_t *voxels, const hs_volume *v, size_t pixel, lon
  * backwards from the end, where the scene goes forwards. */
 void check_scene_pixel(const hs_scene_data *data, size_t pixel);
 
+/* A scene opened from a file with this text; hs_scene_close it. */
+hs_scene *scene_of_text(const char *text, hs_error *err);
+
 /* One frame of such a scene, without speckle of its own unless the text lists it. */
 void make_text_scene(const char *text, uint32_t size, hs_scene_data *out);
 
