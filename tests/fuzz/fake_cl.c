@@ -96,6 +96,12 @@ cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint room
     return CL_SUCCESS;
 }
 
+cl_int clGetPlatformInfo(cl_platform_id platform, cl_platform_info what, size_t room, void *out,
+                         size_t *bytes) {
+    (void)platform, (void)what;
+    return tell("copies", sizeof "copies", room, out, bytes);
+}
+
 cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t room, void *out, size_t *bytes) {
     static const cl_ulong memory = MEMORY, largest = MEMORY / 2;
     static const cl_bool unified = CL_TRUE;
