@@ -13,7 +13,7 @@ source = re.search(r"sv_wall_settings_default.*?\{.*?\{(.*?)\}", (root / "src/wa
 code = {name: float(value) for name, value in re.findall(r"\.(\w+) = ([0-9.]+)", source) if name != "q"}  # a parameter
 page = {}
 for line in (root / "docs/surface.md").read_text().splitlines():
-    row = re.match(r"\| [0-9, ]+ \| (`[a-z_`, ]+`) \| ([0-9., ]+)(?: mm)? \|", line)
+    row = re.match(r"\|[0-9, ]+\| (`[a-z_`, ]+`) \| ([0-9., ]+)(?: mm)? \|", line)
     if row:
         names, values = re.findall(r"\w+", row.group(1)), [float(value) for value in row.group(2).split(",")]
         assert len(names) == len(values), f"docs/surface.md: {line}: {len(names)} names, {len(values)} values"
