@@ -44,30 +44,33 @@ __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict 
 static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *relative,
                      uint first, uint end, uint fluid, uint at, __local uint *gaps) {
     const size_t pitch = level_pitch_of(l);
-    uint all = 0, in_gaps = 0, in_fluid = 0;
+    uint all = 0, in_gaps = 0, in_fluid = 0, open = 0;
     uint holds = 0, behind_tissue = 0;
     for (uint z = first; z < end; z++) {
         const uint dark = levels[z * pitch] <= fluid, related = relative[z * pitch];
         const uint tissue = related > SV_WALL_TISSUE;
         all += dark;
         in_gaps += (holds & tissue & behind_tissue) * in_fluid;
+        open += (1 - tissue) & (uint)(z == first);
         in_fluid = (1 - tissue) * (in_fluid + dark);
         holds = (1 - tissue) & (holds | (uint)(z == at));
         behind_tissue |= (uint)(related > SV_WALL_DIM_TISSUE);
     }
     atomic_add(gaps, all);
     atomic_add(gaps + 1, in_gaps);
+    atomic_add(gaps + 2, open);
 }
 
-/* One work group per row of cells: counts the darkest blocks of its rays, and those of them in gaps. */
+/* One work group per row of cells: counts the darkest blocks of its rays, those of them in gaps, and the
+ * rays that begin in the fluid. */
 __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict info,
                               __global const uchar *restrict levels, __global const uchar *restrict relative,
                               __global const ushort *restrict rays, __global const float *restrict places,
                               __global ulong *restrict gaps) {
-    __local uint sums[2];
+    __local uint sums[3];
     const uint item = (uint)get_local_id(0), row = (uint)get_group_id(0);
     const uint count = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE ? 2 * l.columns : 0;
-    if (item < 2) sums[item] = 0;
+    if (item < 3) sums[item] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = item; i < count; i += (uint)get_local_size(0)) {
         const ray_place_t at = ray_of_group(&l, i);
@@ -79,7 +82,7 @@ __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict in
                  gap_layer(&l, relative + from, first, place), sums);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < 2) gaps[2 * row + item] = sums[item];
+    if (item < 3) gaps[3 * row + item] = sums[item];
 }
 
 /* One work item per ray: the confidence. */

@@ -228,30 +228,30 @@ __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus
 }
 
 /* Returns what the gaps tell of a surface, and stores by which figures. */
-static uint verdict_of(const sv_wall_layout *l, ulong dark, ulong in_gaps, __global uint *info) {
+static uint verdict_of(const sv_wall_layout *l, ulong dark, ulong in_gaps, ulong open, __global uint *info) {
     const ulong share = in_gaps * SV_WALL_PER_MILLE;
     const uint last = last_of(l, info);
-    const bool no_fluid = last == SV_WALL_NO_FLUID, doubtful = last == SV_WALL_DOUBTFUL;
+    const bool no_fluid = last == SV_WALL_NO_FLUID || last == SV_WALL_OPEN,
+               doubtful = last == SV_WALL_DOUBTFUL;
     const uint least = limit_after(l, l->doubtful_share, last == SV_WALL_SURFACE || doubtful, no_fluid);
     const uint limit = limit_after(l, l->gap_share, last == SV_WALL_SURFACE, doubtful || no_fluid);
     info[SV_WALL_INFO_FOUND] = (uint)(share / max(dark, (ulong)1));
     info[SV_WALL_INFO_WANTED] = limit;
-    if (dark == 0 || share < dark * least) return SV_WALL_NO_FLUID;
+    if (dark == 0 || share < dark * least)
+        return open > 0 && 2 * open >= info[SV_WALL_INFO_RAYS] ? SV_WALL_OPEN : SV_WALL_NO_FLUID;
     return share < dark * limit ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 
 /* Sums what wall_gaps has counted, and returns what it tells. */
 static uint ask_gaps(const sv_wall_layout *l, __global const ulong *gaps, __global uint *info) {
-    ulong dark = 0, in_gaps = 0;
-    for (uint y = 0; y < l->cells[1]; y++) {
-        dark += gaps[2 * y];
-        in_gaps += gaps[2 * y + 1];
-    }
-    return verdict_of(l, dark, in_gaps, info);
+    ulong sums[3] = {0, 0, 0};
+    for (uint y = 0; y < l->cells[1]; y++)
+        for (uint k = 0; k < 3; k++) sums[k] += gaps[3 * y + k];
+    return verdict_of(l, sums[0], sums[1], sums[2], info);
 }
 
 /* Launched as one work item: decides whether the frame clips at its surface. `gaps`: for each row of cells,
- * the dark blocks of its rays, and those of them in gaps; they are not read if layout.told. */
+ * what wall_gaps has counted; it is not read if layout.told. */
 __kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps,
                            __global const uint *restrict told, __global uint *restrict info,
                            __global uint *restrict record) {

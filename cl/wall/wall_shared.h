@@ -85,11 +85,13 @@ typedef enum {
     SV_WALL_NO_FLUID = 1, /* the surface lies in no fluid that counts */
     SV_WALL_EMPTY = 2,    /* too little was scanned, or all of it has one grey level */
     SV_WALL_NO_FETUS = 3, /* nothing behind the wall is brighter than the wall */
-    SV_WALL_DOUBTFUL = 4 /* most that is as dark as fluid lies elsewhere; a surface if layout.clip_doubtful */
+    SV_WALL_DOUBTFUL =
+        4,           /* most that is as dark as fluid lies elsewhere; a surface if layout.clip_doubtful */
+    SV_WALL_OPEN = 5 /* as SV_WALL_NO_FLUID: the scan begins in the fluid, so nothing hides the fetus */
 } sv_wall_outcome;
 
 /* As sv_wall_layout.last, for kernels: what SV_WALL_INFO_LAST has. */
-#define SV_WALL_REMEMBERED 5
+#define SV_WALL_REMEMBERED 6
 
 /* The voxels of a block along one axis, first .. first + count - 1. A voxel weighs as much as lies in the
  * block. The weights add up to SV_WALL_SPAN_ONE. */

@@ -58,11 +58,11 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
  * their ray. That is the fluid of layer `at`, if tissue lies on both of its sides; dim tissue in front of it
  * does not count. `in`: the layers in which any of them was scanned. */
 static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *relative,
-                     i16l first, i16l end, extent_t in, uint fluid, i16l at, ulong gaps[2]) {
+                     i16l first, i16l end, extent_t in, uint fluid, i16l at, ulong gaps[3]) {
     const u8l fluid_level = (u8l)((uchar)fluid);
     const size_t pitch = level_pitch_of(l);
-    u16l all = (u16l)(0), in_gaps = (u16l)(0), in_fluid = (u16l)(0);
-    i16l holds = (i16l)(0), behind_tissue = (i16l)(0);
+    u16l all = (u16l)(0), in_gaps = all, in_fluid = all, open = all;
+    i16l holds = (i16l)(0), behind_tissue = holds;
     for (uint z = in.from; z < in.to; z++) {
         const u8l level = ((__global const u8l_unaligned *)(levels + z * pitch))->v;
         const u8l related = ((__global const u8l_unaligned *)(relative + z * pitch))->v;
@@ -72,22 +72,24 @@ static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __gl
         const u16l dark = AS_U16(words_of(AS_U8(level <= fluid_level)) & scanned) & (u16l)(1);
         all += dark;
         in_gaps += in_fluid & AS_U16(holds & tissue & behind_tissue);
+        open += AS_U16((first == here) & scanned & ~tissue) & (u16l)(1);
         in_fluid = (in_fluid + dark) & AS_U16(~tissue);
         holds = (holds | ((at == here) & scanned)) & ~tissue;
         behind_tissue |= more_than_dim;
     }
-    const ushort *counts[2] = {(const ushort *)&all, (const ushort *)&in_gaps};
-    for (uint k = 0; k < 2; k++)
+    const ushort *counts[3] = {(const ushort *)&all, (const ushort *)&in_gaps, (const ushort *)&open};
+    for (uint k = 0; k < 3; k++)
         for (uint i = 0; i < LANES; i++) gaps[k] += counts[k][i];
 }
 
-/* One work item per row of cells: counts the darkest blocks of its rays, and those of them in gaps. */
+/* One work item per row of cells: counts the darkest blocks of its rays, those of them in gaps, and the
+ * rays that begin in the fluid. */
 __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
                         __global const uchar *restrict levels, __global const uchar *restrict relative,
                         __global ushort *restrict rays, __global const float *restrict places,
                         __global ulong *restrict gaps) {
     const uint row = (uint)get_global_id(0);
-    ulong sums[2] = {0, 0};
+    ulong sums[3] = {0, 0, 0};
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint y = 2 * row; y < 2 * row + 2; y++)
         for (uint x = 0; x < l.columns; x += LANES) {
@@ -104,8 +106,7 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
             add_gaps(&l, levels + level_row(&l, 0, y) + x, from, first, end & is_ray,
                      extent_of_vector(&l, rays, row, x / LANES), info[SV_WALL_INFO_FLUID], at, sums);
         }
-    gaps[2 * row] = sums[0];
-    gaps[2 * row + 1] = sums[1];
+    for (uint k = 0; k < 3; k++) gaps[3 * row + k] = sums[k];
 }
 
 /* One work item per row of rays: the confidence. */

@@ -21,7 +21,8 @@ typedef enum sv_reason {
     SV_REASON_EMPTY = 2,    /* too little was scanned, or all of it has one grey level */
     SV_REASON_NO_FETUS = 3, /* too little of the view shows tissue brighter than the wall behind it */
     SV_REASON_DOUBTFUL =
-        4 /* as SV_REASON_NO_FLUID, but it may be right; there is a surface if it is asked for */
+        4,             /* as SV_REASON_NO_FLUID, but it may be right; there is a surface if it is asked for */
+    SV_REASON_OPEN = 5 /* as SV_REASON_NO_FLUID: the scan begins in the fluid, so nothing hides the fetus */
 } sv_reason;
 
 typedef struct sv_confidence_report {

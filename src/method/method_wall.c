@@ -183,11 +183,10 @@ static cl_mem confidence(const sv_method_state *s) {
 
 /* Why there is no surface, or only a doubtful one. */
 static void give_reason(const cl_uint *info, sv_confidence_report *out) {
-    static const sv_reason reasons[] = {[SV_WALL_SURFACE] = SV_REASON_NONE,
-                                        [SV_WALL_NO_FLUID] = SV_REASON_NO_FLUID,
-                                        [SV_WALL_EMPTY] = SV_REASON_EMPTY,
-                                        [SV_WALL_NO_FETUS] = SV_REASON_NO_FETUS,
-                                        [SV_WALL_DOUBTFUL] = SV_REASON_DOUBTFUL};
+    static const sv_reason reasons[] = {
+        [SV_WALL_SURFACE] = SV_REASON_NONE,      [SV_WALL_NO_FLUID] = SV_REASON_NO_FLUID,
+        [SV_WALL_EMPTY] = SV_REASON_EMPTY,       [SV_WALL_NO_FETUS] = SV_REASON_NO_FETUS,
+        [SV_WALL_DOUBTFUL] = SV_REASON_DOUBTFUL, [SV_WALL_OPEN] = SV_REASON_OPEN};
     out->reason = reasons[info[SV_WALL_INFO_DOUBTFUL] ? SV_WALL_DOUBTFUL : info[SV_WALL_INFO_OUTCOME]];
     if (out->reason == SV_REASON_NONE || out->reason == SV_REASON_EMPTY) return;
     out->found = (float)info[SV_WALL_INFO_FOUND] / SV_WALL_PER_MILLE;

@@ -154,6 +154,7 @@ void sv_wall_costs_destroy(sv_wall_costs *costs);
  * front of it does not count. */
 typedef struct {
     uint64_t dark, in_gaps;
+    uint64_t rays, open; /* scanned rays, and those whose scan begins in the fluid */
 } sv_wall_gaps;
 
 /* How sure a surface is that costs so much, in a layer of that level relative to the threshold, 1. */
@@ -169,7 +170,8 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
 uint32_t sv_wall_fetus_limit(const sv_wall_layout *layout);
 uint32_t sv_wall_gap_limit(const sv_wall_layout *layout);
 
-/* What the gaps tell of the surface after layout->last: SURFACE, DOUBTFUL or NO_FLUID. */
+/* What the gaps tell of the surface after layout->last: SURFACE, DOUBTFUL, NO_FLUID or
+ * OPEN. */
 sv_wall_outcome sv_wall_verdict(const sv_wall_layout *layout, const sv_wall_gaps *gaps);
 
 #endif

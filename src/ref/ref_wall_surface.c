@@ -254,6 +254,8 @@ static void count_gap(const sv_wall_scan *s, uint32_t fluid, size_t ray, float p
     const uint32_t start = s->blocks->first[ray], end = s->blocks->end[ray];
     const uint32_t at = (uint32_t)(back_to_fluid(s, ray, place) + 0.5f);
     uint32_t fluid_dark = 0;
+    gaps->rays++;
+    gaps->open += !sv_wall_is_tissue(s, ray, start);
     bool holds = false, behind_tissue = false;
     for (uint32_t z = start; z < end; z++) {
         const bool dark = s->blocks->levels[z * plane + ray] <= fluid;
@@ -289,15 +291,16 @@ uint32_t sv_wall_fetus_limit(const sv_wall_layout *l) {
 
 uint32_t sv_wall_gap_limit(const sv_wall_layout *l) {
     return limit_after(l, l->gap_share, l->last == SV_WALL_SURFACE,
-                       l->last == SV_WALL_DOUBTFUL || l->last == SV_WALL_NO_FLUID);
+                       l->last == SV_WALL_DOUBTFUL || l->last == SV_WALL_NO_FLUID || l->last == SV_WALL_OPEN);
 }
 
 sv_wall_outcome sv_wall_verdict(const sv_wall_layout *l, const sv_wall_gaps *gaps) {
     const uint64_t share = gaps->in_gaps * SV_WALL_PER_MILLE;
     const uint32_t doubtful =
         limit_after(l, l->doubtful_share, l->last == SV_WALL_SURFACE || l->last == SV_WALL_DOUBTFUL,
-                    l->last == SV_WALL_NO_FLUID);
-    if (gaps->dark == 0 || share < gaps->dark * doubtful) return SV_WALL_NO_FLUID;
+                    l->last == SV_WALL_NO_FLUID || l->last == SV_WALL_OPEN);
+    if (gaps->dark == 0 || share < gaps->dark * doubtful)
+        return gaps->open > 0 && 2 * gaps->open >= gaps->rays ? SV_WALL_OPEN : SV_WALL_NO_FLUID;
     return share < gaps->dark * sv_wall_gap_limit(l) ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 

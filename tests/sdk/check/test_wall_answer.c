@@ -191,7 +191,7 @@ static sv_wall_outcome verdict_after(sv_wall_outcome last, uint64_t in_gaps) {
     sv_wall_settings settings = sv_wall_settings_default();
     settings.last = last;
     const sv_wall_layout l = sv_wall_layout_of(N, N, N, (const double[3]){MM, MM, MM}, &settings);
-    return sv_wall_verdict(&l, &(const sv_wall_gaps){1000, in_gaps});
+    return sv_wall_verdict(&l, &(const sv_wall_gaps){.dark = 1000, .in_gaps = in_gaps});
 }
 
 /* Limits are 0.02 in favour of what was said of the frame before. Behind frames that told nothing of fluid

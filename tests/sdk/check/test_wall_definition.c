@@ -165,7 +165,7 @@ static void test_bare_and_dim(void **state) {
                 s.voxels[at(&s, x, y, z)] = (uint8_t)(level * grain(x, y, z) + 0.5);
             }
     scan_run(&s);
-    assert_int_equal(s.outcome, SV_WALL_NO_FLUID);
+    assert_int_equal(s.outcome, SV_WALL_OPEN);
     assert_true(s.facts.gap_share < 0.12);
     for (size_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
     scan_free(&s);
