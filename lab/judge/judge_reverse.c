@@ -12,7 +12,7 @@
 
 enum { VALUES = 5 };
 
-/* What docs/negative_results.md says matters, and values of the range that it shows there. */
+/* Constants of docs/surface.md that matter, and values of the range of its ablations. */
 static const struct {
     wall_constant constant;
     double value[VALUES];

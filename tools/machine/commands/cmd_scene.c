@@ -204,7 +204,7 @@ static bool list_scenes(hs_error *err) {
     return true;
 }
 
-/* Prints the rows of the table in docs/scenes.md. */
+/* Prints what random scenes are drawn from. */
 static void print_ranges(void) {
     for (int i = 0; i < HS_RANGE_COUNT; i++) {
         const hs_scene_range *r = &hs_scene_ranges[i];
