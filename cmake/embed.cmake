@@ -26,6 +26,7 @@ function(sv_embed_as how out symbol)
     DEPENDS ${inputs} ${SV_EMBED_SCRIPT}
     COMMENT "Embedding ${symbol}"
     VERBATIM)
-  add_custom_target(embedded_${symbol} DEPENDS ${out})
-  add_dependencies(embedded embedded_${symbol})
+  string(MAKE_C_IDENTIFIER embedded_${out} target)
+  add_custom_target(${target} DEPENDS ${out})
+  add_dependencies(embedded ${target})
 endfunction()

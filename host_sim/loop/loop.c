@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "guarded/guarded.h"
 #include "loop/loop_state.h"
+#include "loop/lowres.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -59,11 +60,6 @@ static bool hs_loop_check_options(const hs_loop_options *o, hs_error *err) {
     return true;
 }
 
-#define LOWRES_VOXEL_MM          1.0
-#define SOURCE_VOXELS_PER_LOWRES 3.0    /* per axis, at most: "about a third" (thesis 5.4) */
-#define MAX_LOWRES_AXIS          8192.0 /* sv_format allows no more */
-#define MAX_AUTO_LOWRES          1200.0 /* pixels: a third of the diagonal of 2048^3 cubic voxels */
-
 /* Frame `index`'s camera, with the smallest box. */
 static void look(const hs_loop_options *o, const hs_volume *volume, uint32_t index, hs_camera *camera) {
     hs_camera_look_from(camera, volume, o->from, hs_loop_yaw(o, index), o->pitch);
@@ -101,44 +97,22 @@ static hs_camera find_box(const hs_volume *volume, const hs_loop_options *o) {
     return box;
 }
 
-static uint32_t axis_count(double count) {
-    return (uint32_t)fmin(fmax(floor(count + 0.5), 1.0), MAX_LOWRES_AXIS);
-}
-
-/* Side of a low-resolution voxel in mm: what was asked for or, as a fetus is as large in every file, 1 mm,
- * but no finer than the source and no coarser than three of its voxels. */
-static double lowres_voxel(const hs_volume *volume, const hs_loop_options *o, double extent) {
-    const double finest = fmin(volume->spacing[0], fmin(volume->spacing[1], volume->spacing[2]));
-    if (o->lowres) return extent / o->lowres;
-    return fmax(fmin(LOWRES_VOXEL_MM, SOURCE_VOXELS_PER_LOWRES * finest), finest);
-}
-
 uint32_t hs_loop_lowres(const hs_source *source, const hs_loop_options *options) {
     const hs_volume *volume = hs_source_shape(source);
-    const double extent = find_box(volume, options).extent;
-    return axis_count(extent / lowres_voxel(volume, options, extent));
+    return hs_lowres_across(volume, options->lowres, find_box(volume, options).extent);
 }
 
 /* The low-resolution grid has cubic voxels over the loop's box; its slabs are textures of about as many tiles
  * in x as in y, with rows that start at multiples of 64 bytes (an image has no pitch of its own). */
 static bool make_layout(const hs_loop *loop, hs_slab_layout *layout, hs_error *err) {
     const hs_loop_options *o = &loop->options;
-    const hs_volume *volume = hs_source_shape(loop->source);
-    const double voxel = lowres_voxel(volume, o, loop->box.extent);
-    if (o->lowres > MAX_LOWRES_AXIS)
-        return hs_fail(err, HS_ERR_USAGE, "low resolution: %u pixels, allowed are 1 .. %g (0: 1 mm a pixel)",
-                       o->lowres, MAX_LOWRES_AXIS);
-    if (!o->lowres && loop->box.extent / voxel > MAX_AUTO_LOWRES)
-        return hs_fail(
-            err, HS_ERR_INPUT,
-            "%s: voxels of %g x %g x %g mm: pixels of %g mm are %.0f across, at most %g are made without "
-            "--lowres",
-            volume->name, volume->spacing[0], volume->spacing[1], volume->spacing[2], voxel,
-            loop->box.extent / voxel, MAX_AUTO_LOWRES);
-    layout->width = layout->height = axis_count(loop->box.extent / voxel);
-    layout->slices = axis_count(loop->box.depth_extent / voxel);
+    uint32_t size[3];
+    if (!hs_lowres_size(hs_source_shape(loop->source), o->lowres, &loop->box, size, err)) return false;
+    layout->width = size[0];
+    layout->height = size[1];
+    layout->slices = size[2];
     layout->slab_slices = o->slab_slices < layout->slices ? o->slab_slices : layout->slices;
-    layout->tiles_x = axis_count(ceil(sqrt(layout->slab_slices)));
+    layout->tiles_x = (uint32_t)ceil(sqrt(layout->slab_slices));
     layout->tile_w = layout->width;
     layout->tile_h = layout->height;
     const uint32_t row = layout->tiles_x * layout->tile_w;

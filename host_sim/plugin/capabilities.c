@@ -77,42 +77,6 @@ void hs_plugin_points(const sv_plugin *instance, sv_points_report *out) {
     if (!ext || !SV_HAS(ext, write) || !ext->write || ext->write(instance, out) != SV_OK) out->size = 0;
 }
 
-static bool reason_words(const sv_confidence_report *r, char words[HS_REASON_BYTES]) {
-    const double found = 100.0 * (double)r->found, wanted = 100.0 * (double)r->wanted;
-    switch (r->reason) {
-    case SV_REASON_EMPTY:
-        (void)snprintf(words, HS_REASON_BYTES,
-                       "Too little was scanned, or all of it has one grey level. Scan more of it.");
-        return true;
-    case SV_REASON_NO_FETUS:
-        (void)snprintf(
-            words, HS_REASON_BYTES,
-            "No fetus is seen: %.0f %% of the scan show tissue brighter than the wall behind it, and "
-            "%.0f %% are needed.",
-            found, wanted);
-        return true;
-    case SV_REASON_OPEN:
-        (void)snprintf(words, HS_REASON_BYTES, "Nothing hides the fetus: the scan begins in the fluid.");
-        return true;
-    case SV_REASON_NO_FLUID:
-        (void)snprintf(
-            words, HS_REASON_BYTES,
-            "No fluid lies between wall and fetus: %.0f %% of what is as dark as fluid; from %.0f %% on "
-            "it is sure.",
-            found, wanted);
-        return true;
-    case SV_REASON_DOUBTFUL:
-        (void)snprintf(
-            words, HS_REASON_BYTES,
-            "It is doubtful whether fluid lies between wall and fetus: %.0f %% of what is as dark as "
-            "fluid; from %.0f %% on it is sure.",
-            found, wanted);
-        return true;
-    default:
-        return false; /* of a later version */
-    }
-}
-
 hs_doubt hs_plugin_doubt(const sv_plugin *instance) {
     const sv_ext_confidence *ext = hs_plugin_confidence(instance);
     sv_confidence_report r = {.size = sizeof r};
@@ -132,5 +96,5 @@ bool hs_plugin_reason(const sv_plugin *instance, sv_confidence_report *out, char
     const sv_ext_confidence *ext = hs_plugin_confidence(instance);
     *out = (sv_confidence_report){.size = sizeof *out};
     return ext && ext->offered(instance) && ext->read(instance, NULL, out) == SV_OK &&
-           reason_words(out, words);
+           hs_reason_words(out, words);
 }

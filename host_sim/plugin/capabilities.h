@@ -4,6 +4,7 @@
 #define HS_CAPABILITIES_H
 
 #include "base/error.h"
+#include "plugin/reason.h"
 #include "smartvis/confidence.h"
 #include "smartvis/needs.h"
 #include "smartvis/points.h"
@@ -49,8 +50,6 @@ const sv_ext_timing *hs_plugin_timing(const sv_plugin *instance);
 const sv_ext_confidence *hs_plugin_confidence(const sv_plugin *instance);
 const sv_ext_spline *hs_plugin_spline(const sv_plugin *instance);
 const sv_ext_needs *hs_plugin_needs(const sv_plugin *instance);
-
-enum { HS_REASON_BYTES = 320 };
 
 /* [control & active] Which rule of the plugin's found no surface in the last frame, or a doubtful one, in
  * words for who holds the probe. False: the plugin does not tell. Waits for the queue. */

@@ -79,6 +79,11 @@ static void fit_box(hs_camera *camera, const hs_volume *volume) {
     camera->depth_extent = box[2];
 }
 
+void hs_camera_turn(hs_camera *camera, const hs_volume *volume, const double rotation[9]) {
+    memcpy(camera->rotation, rotation, sizeof camera->rotation);
+    fit_box(camera, volume);
+}
+
 void hs_camera_look_from(hs_camera *camera, const hs_volume *volume, hs_from from, double yaw_deg,
                          double pitch_deg) {
     double start[9], rotation[9];

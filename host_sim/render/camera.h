@@ -51,6 +51,9 @@ void hs_camera_look_from(hs_camera *camera, const hs_volume *volume, hs_from fro
  * nothing. The box is the smallest from there. */
 void hs_camera_roll(hs_camera *camera, const hs_volume *volume, double roll_deg);
 
+/* Turns it so that its axes are the columns of `rotation`, and fits its box. */
+void hs_camera_turn(hs_camera *camera, const hs_volume *volume, const double rotation[9]);
+
 /* Looks from the probe, as hs_camera_look_from does from other places. */
 void hs_camera_look(hs_camera *camera, const hs_volume *volume, double yaw_deg, double pitch_deg);
 

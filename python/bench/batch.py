@@ -38,7 +38,7 @@ def main() -> None:
             Source(file).read()
         reading = time.perf_counter() - start
         print(f"{count} volumes of {side}^3; reading alone: {count / reading:.1f} a second")
-        settings = Settings(parameters={"method": "mean"}, scanned="rays", products=("depth",))
+        settings = Settings(parameters={"method": "mean"}, scanned="auto", products=("depth",))
         for workers in numbers:
             with _study.cluster(None, workers, lambda link: None) as client:
                 first = files[: 4 * workers]

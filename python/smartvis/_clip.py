@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import atexit
+import os
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
@@ -17,8 +18,9 @@ from . import _abi, _images
 from ._clipper import Clipper, _checked_probe, _checked_spacing
 from ._plugin import Plugin, load
 from ._result import Result
-from ._view import Camera, look
-from ._volume import fan, ranges, to_uint8
+from ._seen import SIDES, Levels
+from ._view import on_grid, rotation_of
+from ._volume import checked_window, what_was_scanned
 
 
 class ClipperCache:
@@ -41,6 +43,7 @@ class ClipperCache:
         *,
         discontinuity: bool = True,
         probe: Any = None,
+        beams: Any = None,
     ) -> Result:
         """Clips `volume`; the result is the caller's."""
         known = plugin.parameters
@@ -52,12 +55,19 @@ class ClipperCache:
                 while len(self._clippers) >= self._most:
                     self._clippers.popitem(last=False)[1].close()
                 fixed_values: dict[str, Any] = fixed
+                padding = 0 if scanned is None else None  # the machine's 0 was not scanned
                 clipper = Clipper(
-                    volume.shape, spacing, scanned=scanned is not None, plugin=plugin, admit=self._admit, **fixed_values
+                    volume.shape,
+                    spacing,
+                    scanned=scanned is not None,
+                    padding=padding,
+                    plugin=plugin,
+                    admit=self._admit,
+                    **fixed_values,
                 )
             self._clippers[key] = clipper
             clipper.reset(**parameters)
-            return clipper(volume, scanned, discontinuity=discontinuity, probe=probe).copy()
+            return clipper(volume, scanned, discontinuity=discontinuity, probe=probe, beams=beams).copy()
 
     def close(self) -> None:
         """Ends all instances."""
@@ -75,11 +85,11 @@ def clip(
     spacing: Sequence[float] | None = None,
     *,
     view: Any = None,
-    scanned: Any = None,
+    scanned: Any = "auto",
     probe: Any = None,
     method: str | None = None,
     window: tuple[float, float] | None = None,
-    resample: str | None = None,
+    lowres: int = 0,
     plugin: Plugin | None = None,
     cache: ClipperCache | None = None,
     **parameters: object,
@@ -88,24 +98,26 @@ def clip(
 
     `volume`
         an array [z, y, x]: x the fastest axis, slice 0 the nearest to the probe; uint8 as it is, other types
-        as ``window`` says. Or a SimpleITK image, which brings its spacing.
+        as ``window`` says. NaN and what a numpy mask hides was not scanned. Or a SimpleITK image, which brings its
+        spacing; or a file's name, as `smartvis clip` reads it.
     `spacing`
         mm between voxels along x, y, z. None: unknown, see SV_ASSUMED_EXTENT_MM in smartvis_plugin.h.
     `view`
         where the camera looks: a direction (x, y, z) in the volume's axes, a rotation matrix whose rows are the
-        picture's right, its down and its depth, or a SciPy Rotation. None: along +z. Views that are not along
-        an axis are resampled by ``resample``: "scipy" or "simpleitk".
+        picture's right, its down and its depth, or a SciPy Rotation. None: from the probe's side.
     `scanned`
-        what the probe scanned: None: everything; "auto": all but the zeros that touch the border (needs SciPy);
-        "rays": on every ray all from the first voxel that is not 0 to the last, which is faster; a mask [z, y, x];
-        or a pair of maps (first, end) [y, x] of slices.
+        what the probe scanned: "auto": all but the zeros, or the other constant, that lie outside a fan; "zeros": all
+        but zeros; "all": everything; a mask [z, y, x]; or a pair of maps (first, end) [y, x] of slices.
     `probe`
-        where the probe was: the rotation [3, 3] from its axes (z away from it) to the volume's x, y, z, so that the
-        identity is a probe at slice 0; or three numbers, the unit vector to the probe alone. None: unknown.
+        where the probe was: "-z" (slice 0), "+z", "-y", "+y", "-x" or "+x"; the rotation [3, 3] from its axes (z away
+        from it) to the volume's x, y, z; or three numbers, the unit vector to the probe alone. None: unknown.
     `method`, `parameters`
         those of the plugin, see `parameters()`.
     `window`
-        values that become 0 and 255. None: uint8 as it is, other types from their own range.
+        values that become 0 and 255. None: uint8 as it is, other types from the range of what was scanned.
+    `lowres`
+        pixels across the grid on which the plugin sees the volume. 0: of 1 mm, as `host_sim run` has it, no finer than
+        the volume and no coarser than three of its voxels.
 
     PluginError has the plugin's reason, ValueError names what does not fit.
 
@@ -121,62 +133,44 @@ def clip(
     plugin = plugin or load()
     if method is not None:
         parameters["method"] = method
-    source, directions = volume, None
+    if isinstance(volume, (str, os.PathLike)):
+        from ._files import Source
+
+        volume = Source(volume).only()
+    source, directions, mask = volume, None, None
     if _images.is_image(volume):
-        spacing = volume.GetSpacing() if spacing is None else spacing
+        spacing = volume.GetSpacing() if spacing is None and _images.says_spacing(volume) else spacing
         directions = volume.GetDirection()
         volume = _images.array(volume)
+    if isinstance(volume, np.ma.MaskedArray):
+        mask = ~np.ma.getmaskarray(volume)
+        volume = volume.filled(volume.min())
     volume = np.asarray(volume)
     if volume.ndim != 3 or 0 in volume.shape:
         raise ValueError(f"the volume has shape {volume.shape}, expected [z, y, x]")
     mm = None if spacing is None else _checked_spacing(spacing)
-    voxels, mask = _what_was_scanned(to_uint8(volume, window), scanned)
-    camera = look(voxels.shape, mm or (1.0, 1.0, 1.0), view, directions)
-    seen, found = _seen(camera, voxels, mask, resample, plugin)
+    how, given = what_was_scanned(volume.shape, scanned)
+    if mask is not None:
+        given = mask if given is None else mask & given
+    side = probe if isinstance(probe, str) else None
+    if side is not None and side not in SIDES:
+        raise ValueError(f"probe='{side}' is none of {', '.join(SIDES)}")
+    levels = Levels(
+        volume, mm, scanned=how, mask=given, window=checked_window(window), directions=directions, side=side
+    )
+    turned = None if view is None or (isinstance(view, str) and view == "probe") else rotation_of(view, directions)
+    grid = levels.plan(turned, lowres)
+    camera = on_grid(volume.shape, mm or (1.0, 1.0, 1.0), grid)
+    seen, ranges = levels.look(grid)
+    given_probe = probe is not None and side is None
+    told = camera.rotation @ _checked_probe(probe) if given_probe else grid.probe
+    beams = None if given_probe else grid.beams
+    takes = bool(plugin.features & _abi.SV_FEATURE_SCANNED)
     known = None if mm is None else camera.spacing
-    turned = None if probe is None else camera.rotation @ _checked_probe(probe)
-    result = (cache or _cache).run(seen, known, found, plugin, parameters, probe=turned)
+    result = (cache or _cache).run(seen, known, ranges if takes else None, plugin, parameters, probe=told, beams=beams)
+    if levels.doubt:  # of a size that no scan has nothing else is the reason
+        why = levels.doubt if mm is not None and not result.clips else result.why
+        result = replace(result, why=why, doubt=levels.doubt)
+    if levels.question:
+        result = replace(result, doubt=f"{result.doubt} {levels.question}".strip())
     return replace(result, camera=camera, spacing_known=mm is not None, source=source, window=window)
-
-
-def _what_was_scanned(voxels: NDArray[np.uint8], scanned: Any) -> tuple[NDArray[np.uint8], NDArray[np.bool_] | None]:
-    if scanned is None:
-        return voxels, None
-    if isinstance(scanned, str):
-        if scanned not in ("auto", "rays"):
-            raise ValueError(f"scanned='{scanned}', expected 'auto', 'rays', a mask or two maps")
-        return fan(voxels) if scanned == "auto" else (voxels, voxels != 0)
-    if isinstance(scanned, (tuple, list)) and len(scanned) == 2:
-        first, end = (_finite(m) for m in scanned)
-        if first.shape != voxels.shape[1:] or end.shape != voxels.shape[1:]:
-            raise ValueError(f"scanned maps of {first.shape} and {end.shape}, expected {voxels.shape[1:]} [y, x]")
-        z = np.arange(voxels.shape[0])[:, None, None]
-        return voxels, (first <= z) & (z < end)
-    mask = _finite(scanned)
-    if mask.shape != voxels.shape:
-        raise ValueError(f"scanned has shape {mask.shape}, the volume {voxels.shape}")
-    return voxels, mask.astype(bool)
-
-
-def _finite(values: Any) -> NDArray[Any]:
-    """What was scanned, as an array; ValueError: some of it is no number, and would be nowhere without a word."""
-    array = np.asarray(values)
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        at = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise ValueError(f"scanned is {array[at]} at {list(at)}, expected finite numbers")
-    return array
-
-
-def _seen(
-    camera: Camera, voxels: NDArray[np.uint8], mask: NDArray[np.bool_] | None, resample: str | None, plugin: Plugin
-) -> tuple[NDArray[np.uint8], NDArray[np.uint16] | None]:
-    """The volume and the scanned ranges as the camera sees them. A turned box has corners outside of the volume,
-    which were not scanned either."""
-    if mask is None and not camera.aligned:
-        mask = np.ones(voxels.shape, bool)
-    seen = np.ascontiguousarray(camera.see(voxels, resample))
-    if mask is None:
-        return seen, None
-    if not plugin.features & _abi.SV_FEATURE_SCANNED:
-        raise ValueError(f"{plugin.id} takes no scanned ranges")
-    return seen, ranges(camera.see(mask.view(np.uint8), resample, nearest=True).view(np.bool_))

@@ -15,6 +15,7 @@ from . import _abi
 from ._errors import PluginError
 from ._plugin import Plugin, load, log
 from ._result import Outcome, Result, Statistics
+from ._seen import words_of
 from ._view import Shape, look
 
 _FARTHEST = 2.0  # volumes: a depth beyond it is none (the host's rule, host_sim/loop/confidence_map.h)
@@ -344,11 +345,21 @@ class Clipper:
                 log.warning("%s: confidences outside of 0 .. 1 are left out", self._plugin.id)
             statistics.fluid_threshold = self._confidence_report.fluid_threshold
             statistics.open_rays = self._confidence_report.open_rays
+            self.result.why = words_of(self._confidence_report)
+            self.result.try_this = self._try_this()
         elif self._points is not None and self._stats.points > 0:
             self._check("points", self._write_points(self._instance, ctypes.byref(self._points_report)))
             statistics.bone_threshold = self._points_report.bone_threshold
             statistics.volume_max = self._points_report.volume_max
             statistics.passes = self._points_report.passes
+
+    def _try_this(self) -> dict[str, str]:
+        report = self._confidence_report
+        for key, p in self._plugin.parameters.items():
+            if report.try_id and p.id == report.try_id:
+                named = dict(zip(p.numbers, p.choices, strict=False))
+                return {key: named.get(report.try_value, f"{report.try_value:g}")}
+        return {}
 
 
 def _at(array: NDArray[Any]) -> int:

@@ -41,6 +41,14 @@ class HostError(SmartVisError):
         super().__init__(message)
 
 
+class FileError(SmartVisError):
+    """A file cannot be read as a volume, or a result cannot be written; the message names it."""
+
+
+class OutputError(FileError):
+    """A result cannot be written."""
+
+
 class MissingExtraError(SmartVisError, ImportError):
     """A package that only some functions need is not installed."""
 

@@ -23,6 +23,36 @@ def is_image(volume: object) -> bool:
     return hasattr(volume, "CopyInformation") and hasattr(volume, "GetSpacing")
 
 
+NOT_SAID = "smartvis_spacing_not_said"  #: a key of images whose file does not say its spacing
+
+
+PROBE = "smartvis_probe_side"  #: of images whose file says at which side the probe was
+
+
+def parts(image: Any) -> tuple[Any, ...]:
+    """What an image consists of, for another process: voxels, spacing, origin, direction, our own notes."""
+    notes = {key: image.GetMetaData(key) for key in (NOT_SAID, PROBE) if image.HasMetaDataKey(key)}
+    vector = image.GetNumberOfComponentsPerPixel() > 1
+    voxels = sitk().GetArrayFromImage(image)
+    return voxels, vector, image.GetSpacing(), image.GetOrigin(), image.GetDirection(), notes
+
+
+def whole(voxels: Any, vector: bool, spacing: Any, origin: Any, direction: Any, notes: dict[str, str]) -> Any:
+    """The image of these parts."""
+    image = sitk().GetImageFromArray(voxels, isVector=vector)
+    image.SetSpacing(spacing)
+    image.SetOrigin(origin)
+    image.SetDirection(direction)
+    for key, value in notes.items():
+        image.SetMetaData(key, value)
+    return image
+
+
+def says_spacing(image: Any) -> bool:
+    """False if the file that it was read from does not say how far apart voxels are; it has 1 mm then."""
+    return not image.HasMetaDataKey(NOT_SAID)
+
+
 def array(image: Any) -> NDArray[Any]:
     """The voxels [z, y, x]: a view into the image."""
     if image.GetDimension() != 3 or image.GetNumberOfComponentsPerPixel() != 1:

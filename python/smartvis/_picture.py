@@ -87,8 +87,9 @@ def render(
     except HostError as error:
         raise HostError(f"{error}; smartvis.quick_look(volume, result) draws without it") from None
     depths = on_square(camera, depth)
+    fine = camera.fine()
     with tempfile.TemporaryDirectory() as folder:
-        _metaimage.write(Path(folder) / "volume.mha", camera.see(voxels), camera.spacing)
+        _metaimage.write(Path(folder) / "volume.mha", fine.see(voxels), fine.spacing)
         _metaimage.write(Path(folder) / "surface.mha", depths)
         what = ["--volume", "volume.mha", "--map", "surface.mha", "--lowres", str(len(depths))]
         how = ["--frames", "1", "--setting", "smartvis", "--picture", str(size), "--panel", str(size)]

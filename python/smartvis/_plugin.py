@@ -117,6 +117,7 @@ class Plugin:
 
     def create(self) -> ctypes._Pointer[_abi.sv_plugin]:
         """A new instance; whoever asks destroys it."""
+        _runtime.check_process()
         instance = _abi.SELF()
         _said.error = ""
         status = self._entry.create(ctypes.byref(_host), self.id.encode(), ctypes.byref(instance))

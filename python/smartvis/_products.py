@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from . import _images
 from ._errors import MissingExtraError
-from ._result import Result
+from ._result import Result, smallest
+from ._seen import Levels
 
 _WIDEST = 4  # times its height, of a panel
 
@@ -44,10 +45,10 @@ def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArra
         raise ValueError(f"level={level}, expected a finite grey value")
     volume = _images.array(image)
     if level is None:
-        if volume.min() == volume.max():
-            return np.empty((0, 3)), np.empty((0, 3), np.int64)
-        level = float(threshold_otsu(volume))
+        level = _tissue(volume, result, threshold_otsu)
     clipped = result.apply(volume)
+    if clipped.dtype.kind == "f":
+        clipped = np.where(np.isfinite(clipped), clipped, smallest(clipped))
     # A shell of nothing around it closes the mesh at the volume's faces.
     clipped = np.pad(clipped.astype(np.float32), 1, constant_values=min(float(clipped.min()), level - 1))
     if not clipped.min() < level < clipped.max():
@@ -57,6 +58,16 @@ def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArra
     direction = np.array(image.GetDirection()).reshape(3, 3)
     world = (index * np.array(image.GetSpacing())) @ direction.T + np.array(image.GetOrigin())
     return world, faces.astype(np.int64)
+
+
+def _tissue(volume: NDArray[Any], result: Result, threshold_otsu: Any) -> float:
+    """Where tissue begins, by the levels that the plugin saw: 256 of them, whatever values the file has."""
+    levels = Levels(volume, window=result.window, scanned="auto")
+    counts = np.bincount(levels.levels.ravel(), minlength=256)[1:]
+    if np.count_nonzero(counts) < 2:
+        return math.inf
+    at = float(threshold_otsu(hist=(counts, np.arange(1, 256))))
+    return levels.low + (at + 0.5) / 255.0 * (levels.high - levels.low)
 
 
 def quick_look(volume: NDArray[np.uint8], result: Result) -> NDArray[np.uint8]:

@@ -36,11 +36,17 @@ class Statistics:
     passes: int | None = None  #: of the reconstruction, methods that start from points
 
 
+def smallest(values: NDArray[Any]) -> Any:
+    """The smallest of an array's finite values; 0 if it has none."""
+    finite = values[np.isfinite(values)] if values.dtype.kind == "f" else values
+    return finite.min() if finite.size else values.dtype.type(0)
+
+
 @dataclass(repr=False)
 class Result:
     """The clipping depthmap of one volume.
 
-    Maps are arrays [y, x] as the camera sees them; with the default view that is [y, x] of the volume.
+    Maps are arrays [y, x] as the camera sees the volume, on the grid that the plugin got: `camera` says how both lie.
     """
 
     depth: NDArray[np.float32]  #: slices along the view; 0 or less clips nothing
@@ -52,13 +58,21 @@ class Result:
     spacing_known: bool = True  #: False: no spacing was given, and millimetres are voxels
     source: Any = None  #: the volume that was clipped: the caller's own, not a copy
     window: tuple[float, float] | None = None  #: of its values, as given to `clip`
+    why: str = ""  #: why nothing is clipped, or a doubtful surface, in words for who holds the probe
+    try_this: dict[str, str] = field(default_factory=dict)  #: the setting that takes the doubtful surface all the same
+    doubt: str = ""  #: what is not plausible about the volume's size, or not known
 
     def __repr__(self) -> str:
         slices, height, width = self.camera.shape
         cut = self.depth > 0
         mean = f", {self.depth_mm[cut].mean():.1f} {'mm' if self.spacing_known else 'voxels'} deep" if cut.any() else ""
         what = f"{width} x {height} rays of {slices} slices, {100 * cut.mean():.0f} % clipped{mean}"
-        return f"<Result {self.outcome.name}: {what}>"
+        why = "".join(
+            f"; {text}"
+            for text in (self.why, self.doubt if self.spacing_known and self.doubt != self.why else "")
+            if text
+        )
+        return f"<Result {self.outcome.name}: {what}{why}>"
 
     @property
     def clips(self) -> bool:
@@ -67,8 +81,8 @@ class Result:
 
     @property
     def depth_mm(self) -> NDArray[np.float32]:
-        """The depth in millimetres from the first slice."""
-        return self.depth * np.float32(self.camera.spacing[2])
+        """The depth in millimetres from the middle of the first slice; in voxels if no spacing is known."""
+        return (self.depth.astype(np.float64) * self.camera.spacing[2]).astype(np.float32)
 
     def copy(self) -> Result:
         """A result that owns its maps: a Clipper overwrites its own with the next volume."""
@@ -102,7 +116,7 @@ class Result:
         if volume.shape != self.camera.source_shape:
             raise ValueError(f"volume has shape {volume.shape}, what was clipped had {self.camera.source_shape}")
         if fill is None:
-            fill = 0 if volume.dtype == np.uint8 else volume.min()
+            fill = 0 if volume.dtype == np.uint8 else smallest(volume)
         elif volume.dtype.kind in "ui":
             least, most = np.iinfo(volume.dtype).min, np.iinfo(volume.dtype).max
             if not (least <= fill <= most and fill == int(fill)):

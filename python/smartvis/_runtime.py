@@ -21,6 +21,21 @@ _POCL = "pip install pocl-binary-distribution"
 _INTEL = "pip install intel-opencl-rt intel-cmplr-lib-rt"
 
 
+_used_in: list[int] = []  # the processes in which OpenCL was used, of this one and those it was forked from
+
+
+def check_process() -> None:
+    """To be called before OpenCL is used. RuntimeError: it was used before this process was forked, and does not
+    survive that: whoever waits for its threads waits for ever."""
+    if not _used_in:
+        _used_in.append(os.getpid())
+    if _used_in[0] != os.getpid():
+        raise RuntimeError(
+            "smartvis was used before this process was forked, which OpenCL does not survive: start processes with "
+            "multiprocessing.get_context('spawn') or 'forkserver'"
+        )
+
+
 def use_one() -> None:
     """Tells the loader of a runtime from PyPI, if the system has none and nobody has chosen. To be called before the
     process' first use of OpenCL."""

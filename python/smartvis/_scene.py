@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _host, _metaimage
+from ._errors import HostError
 from ._result import Result
 from ._view import look, on_square
 
@@ -46,7 +47,7 @@ class Scene:
         """`smartvis.clip` on this scene, with its spacing and what was scanned of it."""
         from ._clip import clip
 
-        return clip(self.full, self.spacing, scanned=self.scanned, **keywords)
+        return clip(self.full, self.spacing, **({"scanned": self.scanned} | keywords))
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,13 @@ def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> 
         arguments = ["scenes", name, "--size", str(size), "--export", "--out", folder]
         arguments += ["--seed", str(seed)] if seed else []
         arguments += ["--frames", str(frame + 1)] if frame else []
-        _host.run(arguments)
+        try:
+            _host.run(arguments)
+        except HostError as error:
+            if error.code is None or Path(name).exists():
+                raise
+            known = f"{', '.join(CASES)}, the hard ones from H01 on, random ones such as R7_3, or a scene file"
+            raise HostError(f"{error}; scenes are {known}", error.code) from None
         stem = Path(name).stem + (f"_f{frame:03d}" if frame else "")
         full, spacing = _metaimage.read(Path(folder) / f"{stem}_full.mha")
         truth, _ = _metaimage.read(Path(folder) / f"{stem}_truth.mha")
@@ -103,10 +110,12 @@ def measure(of: Scene, depth: Result | NDArray[Any] | None) -> Measures:
 
 def measure_many(of: Scene, maps: Mapping[str, Result | NDArray[Any] | None]) -> dict[str, Measures]:
     """`measure` for several maps of one scene, which costs little more than for one."""
-    hosts = {name: None if depth is None else _of_the_host(of, _depth(of, depth)) for name, depth in maps.items()}
+    hosts = {name: None if depth is None else _of_the_host(of, depth) for name, depth in maps.items()}
     sizes = {depth.shape[0] for depth in hosts.values() if depth is not None}
-    if len(sizes) > 1:
-        raise ValueError(f"the maps have {sorted(sizes)} pixels a side: measure one size at a time")
+    if len(sizes) > 1:  # of different grids: each is measured on its own
+        kept = {name: size.shape[0] if size is not None else max(sizes) for name, size in hosts.items()}
+        parts = [measure_many(of, {n: maps[n] for n in maps if kept[n] == size}) for size in sorted(sizes)]
+        return {name: next(part[name] for part in parts if name in part) for name in maps}
     with tempfile.TemporaryDirectory() as folder:
         for name in ("full", "truth", "label"):
             values = np.asarray(getattr(of, name))
@@ -141,10 +150,13 @@ def _depth(of: Scene, depth: Result | NDArray[Any]) -> NDArray[np.float32]:
     return values
 
 
-def _of_the_host(of: Scene, depth: NDArray[np.float32]) -> NDArray[np.float32]:
+def _of_the_host(of: Scene, given: Result | NDArray[Any]) -> NDArray[np.float32]:
     """A map of the volume's own pixels and slices as one of the host's low-resolution volume, whose pixels are a square
-    and whose voxels are cubes."""
+    and whose voxels are cubes. Results of `clip` are such maps."""
+    depth = _depth(of, given)
     slices, height, width = of.full.shape
+    if isinstance(given, Result) and (given.camera.shape != of.full.shape or given.camera.spacing != of.spacing):
+        return depth
     x, y, z = of.spacing
     cubes = math.isclose(x, y, rel_tol=1e-6) and math.isclose(x, z, rel_tol=1e-6)
     if depth.shape != (height, width) or (width == height and cubes):

@@ -24,8 +24,8 @@ from typing import Any
 
 from . import _host, _kretz
 from ._clip import ClipperCache
-from ._errors import HostError, MissingExtraError
-from ._files import PARTS, FileError, Source, stem, whole
+from ._errors import FileError, HostError, MissingExtraError
+from ._files import PARTS, Source, stem, whole
 from ._files import SUFFIXES as SUFFIXES
 from ._page import write_page
 from ._work import COLUMNS, Row, Settings, clip_one
@@ -139,7 +139,7 @@ def task(path: str, frame: int, settings: Settings, out: str, seconds: int) -> d
     signal.alarm(seconds)
     try:
         if _worker_source is None or _worker_source.path != file:
-            _worker_source = Source(file, mirror=settings.mirror)
+            _worker_source = Source(file, mirror=settings.mirror, spacing=settings.spacing)
         row = clip_one(_worker_source, frame, settings, folder_of(results, file), _worker_cache, True)
     except FileError as error:
         row = Row(path, frame, "input", str(error))

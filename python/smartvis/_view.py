@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The camera: how the volume that the plugin sees lies in the volume that was given.
 
-The plugin looks along +z of what it gets. A view along an axis of the volume is a transposed copy without any
-interpolation; any other view is resampled by SciPy or SimpleITK.
+The plugin looks along +z of what it gets, on the grid that the machine makes of every volume.
 """
 
 from __future__ import annotations
@@ -14,8 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _images
-from ._errors import MissingExtraError
+from ._seen import Grid, Levels
 
 Shape = tuple[int, int, int]
 Vector = tuple[float, float, float]
@@ -42,37 +40,42 @@ class Camera:
         signs = self.rotation.sum(axis=1)[::-1]
         return tuple(int(2 - a) for a in along), tuple(int(i) for i in np.nonzero(signs < 0)[0])
 
-    def see(self, volume: NDArray[Any], how: str | None = None, nearest: bool = False) -> NDArray[Any]:
-        """The volume as the camera sees it; what lies beyond it is 0. `how`: "scipy", "simpleitk", or
-        whichever is there. A view along an axis needs neither."""
-        if self.aligned:
+    def see(self, volume: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """A volume of bytes as the camera sees it, on the camera's grid; what lies beyond it is 0."""
+        if self.aligned and self._is_own_grid():
             order, reverse = self._axes()
-            return np.flip(volume.transpose(order), reverse)
-        return _resample(self, volume, how, nearest)
+            return np.ascontiguousarray(np.flip(volume.transpose(order), reverse))
+        levels = Levels(volume, self.source_spacing)
+        return levels.look(levels.plan(self.rotation, self.shape[2]))[0]
+
+    def fine(self) -> Camera:
+        """The same camera on the volume's own grid, or on one of cubes of its smallest spacing."""
+        return _own_grid(self.source_shape, self.source_spacing, self.rotation)
+
+    def _is_own_grid(self) -> bool:
+        fine = self.fine()
+        return fine.shape == self.shape and bool(np.allclose(fine.spacing, self.spacing, rtol=1e-9))
 
     def behind(self, depth: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """True where a voxel of the volume does not lie before the surface."""
-        if self.aligned:
-            order, reverse = self._axes()
-            kept = np.arange(self.shape[0], dtype=np.float32)[:, None, None] >= depth
-            return np.ascontiguousarray(np.flip(kept, reverse).transpose(np.argsort(order)))
-        return self._behind_turned(depth)
-
-    def _behind_turned(self, depth: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """True where a voxel of the volume does not lie before the surface: as host_sim's results have it, to the
+        bit."""
         matrix, offset = self.from_volume()
         out = np.empty(self.source_shape, bool)
         y, x = np.mgrid[: self.source_shape[1], : self.source_shape[2]]
-        plane = x[..., None] * matrix[:, 0] + y[..., None] * matrix[:, 1] + offset
         for z in range(self.source_shape[0]):
-            at = plane + z * matrix[:, 2]
-            out[z] = at[..., 2] >= between(depth, at[..., 0], at[..., 1])
+            at = [offset[k] + y * matrix[k, 1] + z * matrix[k, 2] + x * matrix[k, 0] for k in range(3)]
+            found = between(depth, at[0], at[1])
+            out[z] = (found <= 0) | (at[2] >= found)
         return out
 
     def from_volume(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Matrix and offset from voxel indices (x, y, z) of the volume to those of the camera."""
-        spacing, own = np.array(self.source_spacing), np.array(self.spacing)
-        matrix = self.rotation * spacing[None, :] / own[:, None]
-        return matrix, _middle(self.shape) - matrix @ _middle(self.source_shape)
+        count, own = np.array(self.shape[::-1], float), np.array(self.spacing)
+        matrix = self.rotation * np.array(self.source_spacing)[None, :] * count[:, None] / (own * count)[:, None]
+        offset = _middle(self.shape)
+        for axis in range(3):
+            offset = offset - matrix[:, axis] * 0.5 * (self.source_shape[2 - axis] - 1.0)
+        return matrix, offset
 
     def to_volume_mm(self, index: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where indices (x, y, z) of the camera's grid lie in the volume, in mm from the centre of its first
@@ -89,15 +92,17 @@ def between(depth: NDArray[np.float32], x: NDArray[np.float64], y: NDArray[np.fl
     """The map at any place, bilinear, as the renderer reads it; beyond its edge it continues."""
     height, width = depth.shape
     x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
-    left, top = np.minimum(x.astype(int), max(width - 2, 0)), np.minimum(y.astype(int), max(height - 2, 0))
+    left, top = x.astype(int), y.astype(int)
     right, bottom = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
     across, down = x - left, y - top
-    above = depth[top, left] * (1 - across) + depth[top, right] * across
-    below = depth[bottom, left] * (1 - across) + depth[bottom, right] * across
-    return np.asarray(above * (1 - down) + below * down)
+    values = depth.astype(np.float64)
+    above = values[top, left] + across * (values[top, right] - values[top, left])
+    below = values[bottom, left] + across * (values[bottom, right] - values[bottom, left])
+    return np.asarray(above + down * (below - above))
 
 
 _MOST = 1024  # pixels across a map, for the host
+_WIDEST = 2048  # voxels across, seen along any view
 
 
 def on_square(camera: Camera, depth: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -180,64 +185,28 @@ def _towards(direction: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def look(shape: Shape, spacing: Vector, view: Any = None, directions: Any = None) -> Camera:
-    """The camera for a volume; `directions` are those of a SimpleITK image. Of a turned view the voxels are cubes of
-    the volume's smallest spacing, and the box is the smallest that holds the volume."""
-    rotation = rotation_of(view, directions)
+    """The camera for a volume on the volume's own grid; `directions` are those of a SimpleITK image. Of a turned view
+    the voxels are cubes of the volume's smallest spacing, and the box is the smallest that holds the volume."""
+    return _own_grid(shape, spacing, rotation_of(view, directions))
+
+
+def _own_grid(shape: Shape, spacing: Vector, rotation: NDArray[np.float64]) -> Camera:
     camera = Camera(shape, spacing, rotation, shape, spacing)
     if camera.aligned:
         order, _ = camera._axes()
         seen = tuple(shape[i] for i in order)
         own = tuple(spacing[2 - i] for i in order)[::-1]
         return Camera(shape, spacing, rotation, seen, own)  # type: ignore[arg-type]
-    step = min(spacing)
-    box = np.abs(rotation) @ (np.array(shape[::-1]) * np.array(spacing))
-    count = np.maximum(np.ceil(box / step - 1e-6).astype(int), 1)
-    if count.max() > 8192:
-        raise ValueError(f"seen along this view the volume has {count.tolist()} voxels; at most 8192 are possible")
-    width, height, slices = (int(n) for n in count)
-    return Camera(shape, spacing, rotation, (slices, height, width), (step, step, step))
+    size = np.abs(rotation) @ (np.array(shape[::-1]) * np.array(spacing))
+    levels = Levels(np.zeros((1, 1, 1), np.uint8), (max(size[:2]), max(size[:2]), size[2]))
+    across = math.ceil(max(size[:2]) / min(spacing) - 1e-6)
+    if not 1 <= across <= _WIDEST:
+        raise ValueError(f"seen along this view the volume has {across} voxels across; at most {_WIDEST} are possible")
+    return on_grid(shape, spacing, levels.plan(np.eye(3), across), rotation)
 
 
-def _resample(camera: Camera, volume: NDArray[Any], how: str | None, nearest: bool) -> NDArray[Any]:
-    ways = {"scipy": _resample_scipy, "simpleitk": _resample_simpleitk}
-    if how is not None:
-        if how not in ways:
-            raise ValueError(f"resample='{how}' is none of {', '.join(ways)}")
-        return ways[how](camera, volume, nearest)
-    try:
-        return _resample_scipy(camera, volume, nearest)
-    except MissingExtraError:
-        return _resample_simpleitk(camera, volume, nearest)
-
-
-def _resample_scipy(camera: Camera, volume: NDArray[Any], nearest: bool) -> NDArray[Any]:
-    try:
-        from scipy.ndimage import affine_transform
-    except ImportError:
-        raise MissingExtraError("SciPy or SimpleITK", "scipy", "a view that is not along an axis") from None
-    matrix, offset = camera.from_volume()
-    back = np.linalg.inv(matrix)
-    out: NDArray[Any] = affine_transform(
-        np.ascontiguousarray(volume),
-        back[::-1, ::-1],
-        offset=(-back @ offset)[::-1],
-        output_shape=camera.shape,
-        order=0 if nearest else 1,
-        mode="constant",
-        cval=0,
-    )
-    return out
-
-
-def _resample_simpleitk(camera: Camera, volume: NDArray[Any], nearest: bool) -> NDArray[Any]:
-    sitk = _images.sitk()
-    image = sitk.GetImageFromArray(np.ascontiguousarray(volume))
-    image.SetSpacing([float(s) for s in camera.source_spacing])
-    grid = sitk.ResampleImageFilter()
-    grid.SetSize([int(n) for n in camera.shape[::-1]])
-    grid.SetOutputSpacing([float(s) for s in camera.spacing])
-    grid.SetOutputDirection(camera.rotation.T.ravel().tolist())
-    grid.SetOutputOrigin(camera.to_volume_mm(np.zeros(3)).tolist())
-    grid.SetInterpolator(sitk.sitkNearestNeighbor if nearest else sitk.sitkLinear)
-    out: NDArray[Any] = sitk.GetArrayFromImage(grid.Execute(image))
-    return out
+def on_grid(shape: Shape, spacing: Vector, grid: Grid, rotation: NDArray[np.float64] | None = None) -> Camera:
+    """The camera that sees a volume on the machine's grid."""
+    slices, height, width = grid.shape
+    own = (grid.box[0] / width, grid.box[0] / height, grid.box[1] / slices)
+    return Camera(shape, spacing, grid.rotation if rotation is None else rotation, grid.shape, own)

@@ -12,8 +12,8 @@ import numpy as np
 
 from . import _images, _picture
 from ._clip import ClipperCache, clip
-from ._errors import PluginError, SmartVisError
-from ._files import FileError, Source, stem, whole, write_image, write_ply
+from ._errors import FileError, PluginError, SmartVisError
+from ._files import Source, stem, whole, write_image, write_ply
 from ._plugin import Plugin, load
 from ._products import depth_image, mesh, quick_look, small_look
 from ._result import Result
@@ -34,6 +34,8 @@ class Settings:
     products: tuple[str, ...] = PRODUCTS
     suffix: str = ".nrrd"
     level: float | None = None
+    spacing: tuple[float, float, float] | None = None  #: mm, of files that do not say it, or wrongly
+    probe: str | None = None  #: the side of the volume at which it was
     mirror: bool = False  #: of Kretz volumes, as of host_sim
 
     def load(self) -> Plugin:
@@ -47,6 +49,7 @@ class Settings:
             view=self.view,
             scanned=self.scanned,
             window=self.window,
+            probe=self.probe or (image.GetMetaData(_images.PROBE) if image.HasMetaDataKey(_images.PROBE) else None),
             plugin=self.load(),
             cache=cache,
             **self.parameters,
@@ -63,10 +66,14 @@ class Row:
     state: str = "ok"  #: ok, input, plugin or output: where it failed
     reason: str = ""
     outcome: str = ""
+    why: str = ""  #: why nothing is clipped, and what to do
+    try_this: str = ""  #: the setting that clips all the same
+    doubt: str = ""  #: what is not plausible about the volume's size, or not known
     width: int = 0
     height: int = 0
     slices: int = 0
     depth_mm: float = 0.0  #: mean over the pixels that clip
+    unit: str = "mm"  #: of it; voxels where the file does not say its spacing
     clipped_share: float = 0.0  #: of the pixels
     points: int = 0
     read_ms: float = 0.0
@@ -106,8 +113,11 @@ def clip_one(
     except PluginError as error:
         row.state, row.reason = "plugin", str(error)
         return row
-    except (SmartVisError, ValueError, MemoryError) as error:
-        row.state, row.reason = "input", f"{type(error).__name__ if not str(error) else error}"
+    except MemoryError:
+        row.state, row.reason = "input", f"{source.path}: no memory to clip it"
+        return row
+    except (SmartVisError, ValueError) as error:
+        row.state, row.reason = "input", str(error)
         return row
     try:
         start = time.perf_counter()
@@ -115,7 +125,9 @@ def clip_one(
         row.files = " ".join(p.name for p in _write(image, result, settings, prefix))
         row.picture = _write_small(image, result, settings, prefix).name if small else ""
         row.write_ms = 1e3 * (time.perf_counter() - start)
-    except FileError as error:
+    except MemoryError:
+        row.state, row.reason = "output", f"{source.path}: no memory to write its results"
+    except (FileError, ValueError) as error:
         row.state, row.reason = "output", str(error)
     return row
 
@@ -123,6 +135,9 @@ def clip_one(
 def _describe(row: Row, result: Result) -> None:
     row.outcome = result.outcome.name
     row.points = result.statistics.points
+    row.why, row.doubt = result.why, result.doubt
+    row.try_this = " ".join(f"--set {key}={value}" for key, value in result.try_this.items())
+    row.unit = "mm" if result.spacing_known else "voxels"
     clips = result.depth > 0
     row.clipped_share = float(clips.mean())
     row.depth_mm = float(result.depth_mm[clips].mean()) if clips.any() else 0.0
@@ -144,7 +159,9 @@ def _write(image: Any, result: Result, settings: Settings, prefix: Path) -> list
         elif product == "depth":
             written.append(write_image(name("depth", settings.suffix), depth_image(image, result)))
         elif product == "mesh":
-            written.append(write_ply(name("mesh", ".ply"), *mesh(image, result, settings.level)))
+            written.append(
+                write_ply(name("mesh", ".ply"), *mesh(image, result, settings.level), mm=result.spacing_known)
+            )
         elif product == "look":
             look = quick_look(to_uint8(_images.array(image), settings.window), result)
             picture = _images.sitk().GetImageFromArray(np.ascontiguousarray(look), isVector=True)

@@ -17,9 +17,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from . import __version__, _kretz
-from ._errors import HostError, LoadError, PluginError, SmartVisError
-from ._files import FileError, OutputError, Source
+from ._errors import FileError, HostError, LoadError, OutputError, PluginError, SmartVisError
+from ._files import Source, stem
 from ._plugin import Parameter, load
+from ._seen import SIDES
 from ._view import PLACES
 from ._work import PRODUCTS, Row, Settings, clip_one, name_of
 
@@ -32,7 +33,7 @@ def numbers(count: int) -> Any:
 
     def parse(text: str) -> tuple[float, ...]:
         try:
-            values = tuple(float(part) for part in text.split(","))
+            values = tuple(float.fromhex(part) if "0x" in part.lower() else float(part) for part in text.split(","))
         except ValueError:
             values = ()
         if len(values) != count:
@@ -48,6 +49,14 @@ def window_of(text: str) -> tuple[float, float]:
     if not -math.inf < low < high < math.inf:
         raise argparse.ArgumentTypeError(f"'{text}', expected two finite numbers, the lower first")
     return low, high
+
+
+def spacing_of(text: str) -> tuple[float, ...]:
+    """An argparse type: three lengths above 0."""
+    lengths: tuple[float, ...] = numbers(3)(text)
+    if not all(1e-6 <= length <= 1e6 for length in lengths):
+        raise argparse.ArgumentTypeError(f"'{text}', expected three lengths in mm, each 1e-6 .. 1e6")
+    return lengths
 
 
 def finite(text: str) -> float:
@@ -69,7 +78,7 @@ def view_of(text: str) -> tuple[float, ...] | str:
     return direction
 
 
-def add_clip_options(parser: argparse.ArgumentParser, scanned: str = "auto") -> None:
+def add_clip_options(parser: argparse.ArgumentParser) -> None:
     """The options of everything that clips."""
     parser.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")
     parser.add_argument("--method", metavar="NAME", help="short for --set method=NAME")
@@ -83,15 +92,21 @@ def add_clip_options(parser: argparse.ArgumentParser, scanned: str = "auto") -> 
     parser.add_argument("--window", metavar="LOW,HIGH", type=window_of, help="values that become 0 and 255")
     parser.add_argument(
         "--scanned",
-        choices=("auto", "rays", "all"),
-        default=scanned,
-        help=f"auto: all but the zeros that touch the border; rays: on every ray from the first voxel that is not 0 "
-        f"to the last; all: everything [{scanned}]",
+        choices=("auto", "zeros", "all"),
+        default="auto",
+        help="auto: all but the zeros, or the other constant, outside a fan; zeros: all but zeros; all: everything"
+        " [auto]",
+    )
+    parser.add_argument(
+        "--probe", metavar="SIDE", choices=SIDES, help=f"where it was: {', '.join(SIDES)} [as the file says]"
     )
 
 
 def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
-    """The options of what writes files."""
+    """The options of what reads and writes files."""
+    parser.add_argument(
+        "--spacing", metavar="X,Y,Z", type=spacing_of, help="mm between voxels, where files do not say it"
+    )
     parser.add_argument("--write", metavar="LIST", default=default, help=f"of {','.join(PRODUCTS)} [{default}]")
     parser.add_argument("--format", metavar="SUFFIX", default=".nrrd", help="of volumes: .nrrd, .mha, .nii.gz [.nrrd]")
     parser.add_argument("--level", type=finite, help="grey value at which the mesh's tissue begins [Otsu's threshold]")
@@ -118,12 +133,14 @@ def settings_of(args: argparse.Namespace) -> Settings:
     return Settings(
         parameters={k: v if known[k].choices else float(v) for k, v in values.items()},
         view=args.view,
-        scanned=None if args.scanned == "all" else args.scanned,
+        scanned=args.scanned,
         window=args.window,
         plugin=args.plugin,
         products=products,
         suffix=getattr(args, "format", ".nrrd"),
         level=getattr(args, "level", None),
+        spacing=getattr(args, "spacing", None),
+        probe=args.probe,
         mirror=getattr(args, "mirror", False),
     )
 
@@ -193,37 +210,45 @@ def command_clip(args: argparse.Namespace) -> int:
     settings = settings_of(args)
     files = [part for path in map(Path, args.file) for part in (_kretz.split(path) if path.is_dir() else [path])]
     check_mirror(settings, files)
-    sources = [Source(path, ask_first=True, mirror=settings.mirror) for path in files]
     taken: dict[str, Path] = {}
-    for source in sources:
-        for frame in range(source.count):
-            name = name_of(source, frame)
-            if name in taken:
-                raise ValueError(f"{taken[name]} and {source.path} would both be written as {name}; clip one at a time")
-            taken[name] = source.path
+    for path in files:
+        if (name := stem(path)) in taken:
+            raise ValueError(f"{taken[name]} and {path} would both be written as {name}; clip one at a time")
+        taken[name] = path
     out = make_folder(args.out)
     code, written, last = OK, False, ""
-    with progress(len(taken), "clip") as bar:
-        for source in sources:
+    with progress(len(files), "clip") as bar:
+        for path in files:
+            try:
+                source = Source(path, mirror=settings.mirror, spacing=settings.spacing)
+            except FileError as error:  # takes only itself
+                print(f"smartvis: {error}", file=sys.stderr)
+                code = code or INPUT
+                continue
             for frame in range(source.count):
+                if source.count > 1 and (name := name_of(source, frame)) in taken:
+                    raise ValueError(f"{taken[name]} and {path} would both be written as {name}; clip one at a time")
                 row = clip_one(source, frame, settings, out)
                 if row.state == "ok" or row.reason != last:  # what is wrong with all of a sequence is said once
-                    bar.say(line_of(row, source.count > 1))
+                    bar.say(line_of(row, source.count > 1, source.names[frame]))
                 code, written, last = code or CODES[row.state], written or row.state == "ok", row.reason
-                bar.step()
+            bar.step()
     if written:
         print(f"Files are in {out}")
     return code
 
 
-def line_of(row: Row, sequence: bool = False) -> str:
-    """One line about one volume."""
-    name = row.file + (f" [{row.frame}]" if sequence else "")
+def line_of(row: Row, sequence: bool = False, called: str = "") -> str:
+    """One line about one volume, and below it why nothing is clipped, and what to do."""
+    name = row.file + (f" [{row.frame}{': ' if called else ''}{called}]" if sequence else "")
     if row.state != "ok":
         return row.reason if row.reason.startswith(row.file) else f"{name}: {row.reason}"
     size = f"{row.width} x {row.height} x {row.slices}"
-    found = f"{100 * row.clipped_share:.0f} % of the rays clipped, {row.depth_mm:.1f} mm on average"
-    return f"{name}: {size}, {row.outcome}, {found}; {row.clip_ms:.0f} ms"
+    found = f"{100 * row.clipped_share:.0f} % of the rays clipped, {row.depth_mm:.1f} {row.unit} on average"
+    notes = [f"  Why: {row.why}"] if row.why else []
+    notes += [f"  Try: {row.try_this}"] if row.try_this else []
+    notes += [f"  {row.doubt}"] if row.doubt and row.doubt != row.why else []
+    return "\n".join([f"{name}: {size}, {row.outcome}, {found}; {row.clip_ms:.0f} ms", *notes])
 
 
 def command_serve(args: argparse.Namespace) -> int:
@@ -348,7 +373,7 @@ def parser_of() -> argparse.ArgumentParser:
     serve.add_argument("--memory", type=positive, help="MiB for a client's volume [a quarter of the machine's]")
     serve.add_argument("--all-memory", type=positive, help="MiB for the volumes of all [half of the machine's]")
     serve.add_argument("--clients", type=positive, default=8, help="connections at a time [8]")
-    add_clip_options(serve, scanned="rays")
+    add_clip_options(serve)
     serve.set_defaults(run=command_serve)
 
     batch = commands.add_parser("batch", help="clip every volume of a study, on many workers")

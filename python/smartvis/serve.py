@@ -207,10 +207,11 @@ class Session:
         settings = self._settings
         return clip(
             volume,
-            tuple(float(s) for s in spacing),
+            tuple(float(f"{s:.7g}") for s in spacing),  # a message has 32 bits a number
             view=settings.view,
             scanned=settings.scanned,
             window=settings.window,
+            probe=settings.probe,
             plugin=self._plugin,
             cache=self._cache,
             **settings.parameters,

@@ -60,7 +60,8 @@ def write_dicom(folder: Path, image: sitk.Image, series: str = "1.2.3.4", step: 
 
 @pytest.fixture
 def volume() -> np.ndarray:
-    return layers((64, 48, 56))
+    """Its cross-section is a square: at 1 mm the machine's grid is the volume's own."""
+    return layers((64, 56, 56))
 
 
 @pytest.fixture(scope="session")

@@ -112,7 +112,10 @@ int main(int argc, char **argv) {
         if (name == "Scan_clipped" && check_clipped(image, side)) return 1;
         if (name == "Scan_depth") {
             const auto *depth = static_cast<float *>(image->GetScalarPointer());
-            std::printf("%s %.3f\n", name.c_str(), static_cast<double>(depth[side / 2 * side + side / 2]));
+            int size[3]; // the map has the machine's grid
+            image->GetDimensions(size);
+            std::printf("%s %.3f\n", name.c_str(),
+                        static_cast<double>(depth[size[1] / 2 * size[0] + size[0] / 2]));
         } else {
             std::printf("%s\n", name.c_str());
         }

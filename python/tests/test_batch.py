@@ -30,7 +30,7 @@ from smartvis._products import quick_look, small_look
 from smartvis._work import Settings
 from smartvis.cli import main
 
-SETTINGS = Settings(parameters={"method": "wall"}, products=("clipped",), scanned=None)
+SETTINGS = Settings(parameters={"method": "wall"}, products=("clipped",), scanned="all")
 SHAPE = (40, 32, 36)
 
 
@@ -183,7 +183,7 @@ def test_a_volume_that_kills_its_workers_is_a_row(tmp_path: Path, doomed, troubl
     files = write_study(tmp_path / "study", 3)
     killer = tmp_path / "study" / "killer.nrrd"
     sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, CRASHES, np.uint8)), str(killer))
-    settings = Settings(plugin=trouble, products=("clipped",), scanned=None)
+    settings = Settings(plugin=trouble, products=("clipped",), scanned="all")
     rows = _study.batch([killer, *files], settings, tmp_path / "out", doomed, lambda: None)
     killed = [r for r in rows if r["state"] != "ok"]
     assert len(rows) == 4 and [Path(r["file"]).name for r in killed] == ["killer.nrrd"]
@@ -196,7 +196,7 @@ def test_a_file_that_takes_too_long_is_a_row(tmp_path: Path, trouble: str, monke
     stops = tmp_path / "study" / "stops.nrrd"
     sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, HOLDS, np.uint8)), str(stops))
     monkeypatch.setenv("SV_HOLD", str(stops))
-    settings = Settings(plugin=trouble, products=("clipped",), scanned=None)
+    settings = Settings(plugin=trouble, products=("clipped",), scanned="all")
     with _study.cluster(None, 2, lambda link: None) as client:
         rows = _study.batch([stops, *files], settings, tmp_path / "out", client, lambda: None, seconds=20)
     states = {Path(r["file"]).name: r["state"] for r in rows if r["file"] != str(files[0])}

@@ -17,7 +17,7 @@ from conftest import BUILD
 import smartvis
 from smartvis import Clipper, LoadError, Outcome, PluginError, _abi
 
-SHAPE = (64, 48, 56)
+SHAPE = (64, 56, 56)
 
 
 def test_every_volume_is_clipped_as_clip_does_it(volume: np.ndarray) -> None:
@@ -151,20 +151,20 @@ def test_threads_have_clippers_of_their_own(volume: np.ndarray) -> None:
 
 def test_wrong_calls_are_named(volume: np.ndarray) -> None:
     with Clipper(SHAPE, (1, 1, 1)) as clipper:
-        with pytest.raises(ValueError, match=r"shape \(64, 48, 55\), expected uint8 of shape \(64, 48, 56\)"):
+        with pytest.raises(ValueError, match=r"shape \(64, 56, 55\), expected uint8 of shape \(64, 56, 56\)"):
             clipper(volume[:, :, 1:])
         with pytest.raises(ValueError, match="float32"):
             clipper(volume.astype(np.float32))
         with pytest.raises(ValueError, match="scanned=True"):
-            clipper(volume, np.zeros((48, 56, 2), np.uint16))
+            clipper(volume, np.zeros((56, 56, 2), np.uint16))
         assert clipper(np.asfortranarray(volume)).clips
     with pytest.raises(ValueError, match="closed"):
         clipper(volume)
     with Clipper(SHAPE, (1, 1, 1), scanned=True) as clipper:
         with pytest.raises(ValueError, match="missing"):
             clipper(volume)
-        with pytest.raises(ValueError, match=r"scanned is int64 of shape \(48, 56\)"):
-            clipper(volume, np.zeros((48, 56), np.int64))
+        with pytest.raises(ValueError, match=r"scanned is int64 of shape \(56, 56\)"):
+            clipper(volume, np.zeros((56, 56), np.int64))
     with pytest.raises(ValueError, match="each 1 .. 8192"):
         Clipper((0, 1, 1))
     with pytest.raises(ValueError, match=r"shape=\(64, 48.5, 56\): expected slices, height and width"):

@@ -28,9 +28,9 @@ def scan(tmp_path_factory) -> Path:
 def test_the_host_and_python_give_the_same_bits(scan: Path, tmp_path: Path, method: str) -> None:
     kinds = ["depthmap", "status", "clipped", "mask"] + ["confidence"] * (method != "mean")
     what = ["--set", f"method={method}", "--set", "q=0.4", "--write", ",".join(kinds), "--out", tmp_path]
-    host_sim("run", "--volume", scan, "--lowres", SIZE, "--picture", 32, "--frames", 1, "--setting", "smartvis", *what)
+    host_sim("run", "--volume", scan, "--picture", 32, "--frames", 1, "--setting", "smartvis", *what)
     image = sitk.ReadImage(str(scan))
-    result = smartvis.clip(image, scanned="auto", method=method, q=0.4)
+    result = smartvis.clip(image, method=method, q=0.4)
     assert result.clips
     assert np.array_equal(read(tmp_path, "depthmap")[0], result.depth_mm)  # the host writes millimetres
     assert np.array_equal(read(tmp_path, "status")[0], result.status)

@@ -113,6 +113,11 @@ static void print_reason(const hs_run *run, FILE *out) {
     char words[HS_REASON_BYTES];
     sv_confidence_report report;
     sv_param_info info;
+    char doubt[HS_DOUBT_BYTES];
+    if (hs_volume_doubt(hs_source_shape(&run->source), doubt)) {
+        hs_print(out, "Why: %s\n", doubt);
+        return;
+    }
     if (!hs_plugin_reason(run->plugin.instance, &report, words)) return;
     hs_print(out, "Why: %s\n", words);
     for (uint32_t i = 0; report.try_id != 0 && i < hs_plugin_param_count(&run->plugin); i++) {

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: MIT
+"""DICOM: which pictures of a file or folder make up a volume, where they lie, and how large they are."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import FileError, MissingExtraError
+
+_UNEVEN = 0.05  # of the distance between slices
+_CINE = ("1.2.840.10008.5.1.4.1.1.3", "1.2.840.10008.5.1.4.1.1.3.1")  # classes of ultrasound over time
+_CENTIMETRES = 3  # of an ultrasound region's units
+
+
+@dataclass
+class Frame:
+    """One picture. What nobody says is None."""
+
+    path: Path
+    index: int  #: in the file
+    size: tuple[int, int]
+    place: NDArray[np.float64] | None = None  #: of its first pixel, mm
+    across: NDArray[np.float64] | None = None  #: directions along a row and down a column
+    in_patient: bool = False  #: place and directions are of the patient, not of the machine
+    pixel: tuple[float, float] | None = None  #: mm along a row, down a column
+    apart: float | None = None  #: mm between slices, as the file says it
+    marks: dict[str, Any] = field(default_factory=dict)  #: what may tell volumes apart, in the order of trust
+
+
+@dataclass
+class Volume:
+    """Pictures that lie behind one another."""
+
+    name: str
+    frames: list[Frame]
+    spacing: tuple[float, float, float] | None
+    origin: NDArray[np.float64]
+    direction: NDArray[np.float64]  #: columns
+    in_patient: bool
+
+
+def volumes(files: Sequence[Path], where: Path, whole_file: bool = False) -> list[Volume]:
+    """The volumes that the files make up, of a folder `where`, or that is the one file that was named (`whole_file`).
+    FileError: none, or pictures that make up none."""
+    groups: dict[Any, list[Frame]] = defaultdict(list)
+    for path in files:
+        for key, frame in _frames(path, whole_file):
+            groups[key].append(frame)
+    found = [volume for number, frames in enumerate(groups.values()) for volume in _divide(frames, number, len(groups))]
+    if not found:
+        raise FileError(f"{where}: {'is no picture' if whole_file else 'the folder has no DICOM series'}")
+    return found
+
+
+def _frames(path: Path, whole_file: bool) -> list[tuple[Any, Frame]]:
+    try:
+        import pydicom
+    except ImportError:
+        raise MissingExtraError("pydicom", "files", "DICOM") from None
+    try:
+        data = pydicom.dcmread(path, stop_before_pixels=True)
+        if "Rows" not in data or "Columns" not in data:
+            return []
+        return _frames_of(path, data, whole_file)
+    except pydicom.errors.InvalidDicomError:
+        return []
+    except (ValueError, TypeError, AttributeError, KeyError, IndexError, NotImplementedError, EOFError) as error:
+        raise FileError(f"{path}: its DICOM header is damaged: {type(error).__name__}") from None
+
+
+def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame]]:
+    kind, count = str(data.get("SOPClassUID", "")), int(data.get("NumberOfFrames", 1) or 1)
+    groups = data.get("PerFrameFunctionalGroupsSequence")
+    if kind in _CINE:
+        raise FileError(f"{path}: SOP class {kind} holds pictures over time, not a volume")
+    if whole_file and count == 1:
+        raise FileError(f"{path}: it is one picture of a DICOM series; name the folder that holds them all")
+    if groups and len(groups) != count:
+        raise FileError(f"{path}: it has {count} pictures and says where {len(groups)} of them lie")
+    shared = (data.get("SharedFunctionalGroupsSequence") or [None])[0]
+    series = str(data.get("SeriesInstanceUID", ""))
+    out = []
+    for index in range(count):
+        layers = [part for part in (groups[index] if groups else None, shared, data) if part is not None]
+        frame = Frame(path, index, (int(data.Columns), int(data.Rows)))
+        _where(frame, layers)
+        _how_large(frame, layers)
+        _which(frame, layers, index)
+        directions = () if frame.across is None else tuple(np.round(frame.across.ravel(), 4))
+        out.append(((series if count == 1 else str(path), frame.size, directions), frame))
+    return out
+
+
+def _first(layers: Sequence[Any], sequence: str, name: str) -> Any:
+    """A value of a functional group, of the picture's own or the shared ones; or of the picture itself."""
+    for layer in layers:
+        items = layer.get(sequence)
+        value = items[0].get(name) if items else layer.get(name)
+        if value is not None and value != "":
+            return value
+    return None
+
+
+def _numbers(value: Any, count: int) -> NDArray[np.float64] | None:
+    if value is None:
+        return None
+    numbers = np.array([float(part) for part in value])
+    return numbers if len(numbers) == count and np.isfinite(numbers).all() else None
+
+
+def _where(frame: Frame, layers: Sequence[Any]) -> None:
+    place = _numbers(_first(layers, "PlanePositionSequence", "ImagePositionPatient"), 3)
+    across = _numbers(_first(layers, "PlaneOrientationSequence", "ImageOrientationPatient"), 6)
+    frame.in_patient = across is not None
+    if place is None:
+        place = _numbers(_first(layers, "PlanePositionVolumeSequence", "ImagePositionVolume"), 3)
+    if across is None:
+        across = _numbers(_first(layers, "PlaneOrientationVolumeSequence", "ImageOrientationVolume"), 6)
+    frame.place = place
+    frame.across = None if across is None else across.reshape(2, 3)
+
+
+def _how_large(frame: Frame, layers: Sequence[Any]) -> None:
+    pixel = _numbers(_first(layers, "PixelMeasuresSequence", "PixelSpacing"), 2)
+    for name in ("ImagerPixelSpacing", "NominalScannedPixelSpacing"):  # of secondary captures
+        pixel = _numbers(layers[-1].get(name), 2) if pixel is None else pixel
+    regions = layers[-1].get("SequenceOfUltrasoundRegions")
+    if pixel is None and regions and len(regions) == 1:
+        region = regions[0]
+        if _CENTIMETRES == region.get("PhysicalUnitsXDirection") == region.get("PhysicalUnitsYDirection"):
+            pixel = np.abs([10 * float(region.PhysicalDeltaY), 10 * float(region.PhysicalDeltaX)])
+    if pixel is not None and (pixel > 0).all():
+        frame.pixel = (float(pixel[1]), float(pixel[0]))
+    for name in ("SpacingBetweenSlices", "SliceThickness"):
+        apart = _first(layers, "PixelMeasuresSequence", name)
+        if frame.apart is None and apart is not None and float(apart) > 0:
+            frame.apart = float(apart)
+
+
+def _which(frame: Frame, layers: Sequence[Any], index: int) -> None:
+    content = "FrameContentSequence"
+    number = layers[-1].get("InstanceNumber")
+    frame.marks = {
+        "time": _first(layers, content, "TemporalPositionIndex") or layers[-1].get("TemporalPositionIdentifier"),
+        "stack": _first(layers, content, "StackID"),
+        "kind": str(_first(layers, "ImageDataTypeSequence", "DataType") or layers[-1].get("ImageType", "")),
+        "trigger time": layers[-1].get("TriggerTime"),
+        "acquisition": layers[-1].get("AcquisitionNumber"),
+        "acquisition time": _first(layers, content, "FrameAcquisitionDateTime") or layers[-1].get("AcquisitionTime"),
+        "content time": layers[-1].get("ContentTime"),
+        "order": (int(number) if number is not None and str(number) else 0, index),
+    }
+
+
+# ------------------------------------------------------------------------------------------------ volumes
+
+
+def _divide(frames: list[Frame], number: int, groups: int) -> list[Volume]:
+    """Pictures of one series and direction: one volume, or several of the same places."""
+    series = f"series {number + 1}" if groups > 1 else ""
+    frames.sort(key=lambda frame: (frame.marks["order"], str(frame.path)))
+    if any(frame.place is None or frame.across is None for frame in frames):
+        return [_volume(frames, series, placed=False)]
+    along = {id(frame): _depth(frame) for frame in frames}
+    places = len({round(depth, 3) for depth in along.values()})
+    if places == len(frames):
+        return [_volume(frames, series)]
+    by: list[tuple[str, Callable[[Frame], Any]]] = [
+        (mark, lambda frame, mark=mark: frame.marks[mark])  # type: ignore[misc]
+        for mark in frames[0].marks
+        if mark != "order"
+    ]
+    seen: dict[float, int] = defaultdict(int)
+    turn = {}
+    for frame in frames:
+        turn[id(frame)] = seen[round(along[id(frame)], 3)]
+        seen[round(along[id(frame)], 3)] += 1
+    by.append(("turn", lambda frame: turn[id(frame)]))
+    for mark, key in by:
+        parts: dict[Any, list[Frame]] = defaultdict(list)
+        for frame in frames:
+            parts[str(key(frame))].append(frame)
+        if all(len({round(along[id(f)], 3) for f in part}) == len(part) == places for part in parts.values()):
+            names = (f"{series}{', ' if series else ''}{mark} {value}" for value in parts)
+            return [_volume(part, name) for name, part in zip(names, parts.values(), strict=True)]
+    raise FileError(
+        f"{frames[0].path}: it and others, {len(frames)} pictures, lie at {places} places, some more often than "
+        "others: which of them make up a volume is not said"
+    )
+
+
+def _depth(frame: Frame) -> float:
+    assert frame.place is not None and frame.across is not None
+    return float(frame.place @ np.cross(*frame.across))
+
+
+def _volume(frames: list[Frame], name: str, placed: bool = True) -> Volume:
+    if len(frames) == 1 and frames[0].index == 0:
+        raise FileError(f"{frames[0].path}: it is one picture of a DICOM series; the others are not there")
+    if any(frame.pixel != frames[0].pixel for frame in frames):
+        raise FileError(f"{frames[0].path}: pixels of one DICOM series differ in size")
+    apart = frames[0].apart
+    if placed:
+        frames = sorted(frames, key=_depth)
+        apart = _evenly(frames)
+    pixel = frames[0].pixel
+    direction = np.eye(3)
+    if placed and frames[0].across is not None:
+        row, column = frames[0].across
+        direction = np.stack([row, column, np.cross(row, column)], axis=1)
+    spacing = None if pixel is None or apart is None else (*pixel, apart)
+    origin = frames[0].place if placed and frames[0].place is not None else np.zeros(3)
+    return Volume(name, frames, spacing, origin, direction, placed and frames[0].in_patient)
+
+
+def _evenly(frames: list[Frame]) -> float:
+    """mm from slice to slice; FileError: not the same everywhere, and with one missing the rest lie in the wrong
+    place."""
+    gaps = np.linalg.norm(np.diff(np.array([frame.place for frame in frames]), axis=0), axis=1)
+    usual = float(np.median(gaps))
+    worst = int(np.abs(gaps - usual).argmax())
+    if usual <= 0 or abs(gaps[worst] - usual) > _UNEVEN * usual:
+        raise FileError(
+            f"{frames[worst + 1].path}: it lies {gaps[worst]:.4g} mm behind the slice before it, others of the DICOM "
+            f"series {usual:.4g} mm: slices are missing or not evenly spaced"
+        )
+    return round(float(gaps.mean()), 6)  # positions are decimal texts

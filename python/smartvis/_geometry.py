@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+"""What a file says of lengths, place and probe, where SimpleITK reads it otherwise or not at all."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ._errors import FileError
+
+_UNITS = {"mm": 1.0, "millimeter": 1.0, "millimetre": 1.0, "cm": 10.0, "centimeter": 10.0, "m": 1e3, "meter": 1e3}
+_UNITS |= {
+    "um": 1e-3,
+    "µm": 1e-3,
+    "\u03bcm": 1e-3,
+    "micron": 1e-3,
+    "micrometer": 1e-3,
+    "nm": 1e-6,
+    "in": 25.4,
+    "inch": 25.4,
+}
+
+
+def _millimetres(path: Path, unit: str) -> float:
+    """Of a unit of length by its name; FileError: nobody knows it."""
+    name = unit.strip().lower()
+    for known in (name, name.removesuffix("s"), name.replace("tre", "ter").removesuffix("s")):
+        if known in _UNITS:
+            return _UNITS[known]
+    raise FileError(f"{path}: its lengths are in '{unit}', expected one of {', '.join(_UNITS)}")
+
+
+def unit(path: Path, fields: dict[str, str]) -> float:
+    """mm of a NRRD's unit of space. ITK takes it for 1."""
+    given = re.findall(r'"([^"]*)"', fields.get("spaceunits", fields.get("units", "")))
+    units = {_millimetres(path, unit) for unit in given[:3] if unit.strip("? ")}
+    if len(units) > 1:
+        raise FileError(f"{path}: its axes have different units, {', '.join(given)}")
+    return units.pop() if units else 1.0
+
+
+def says_spacing(path: Path, fields: dict[str, str], reader: Any) -> bool:
+    """Whether the file says how far apart voxels are; ITK says 1 if not."""
+    name = path.name.lower()
+    if name.endswith((".nrrd", ".nhdr")):
+        told = fields.get("spacings", "") or fields.get("spacedirections", "")
+        return bool(told) and len(re.findall(r"nan|none", told.lower())) <= len(reader.GetSize()) - 2
+    if name.endswith((".mha", ".mhd")):
+        return "elementspacing" in fields or "elementsize" in fields
+    if reader.HasMetaDataKey("pixdim[1]"):
+        return all(float(reader.GetMetaData(f"pixdim[{axis}]")) != 0 for axis in (1, 2, 3))
+    return not name.endswith(".vtk") or b"SPACING" in first_bytes(path).upper()
+
+
+def tiff_spacing(path: Path) -> tuple[float, float, float] | None:
+    """What ImageJ writes into a TIFF: its pages' distance and unit. None: it says nothing of the third axis."""
+    import tifffile
+
+    try:
+        with tifffile.TiffFile(path) as file:
+            notes, tags = file.imagej_metadata or {}, file.pages[0].tags
+            unit, apart = notes.get("unit", ""), float(notes.get("spacing", 0))
+            lines = [tags[name].value for name in ("XResolution", "YResolution") if name in tags]
+    except Exception:  # of a file whose voxels were read, and that says nothing more
+        return None
+    if not unit or apart <= 0 or len(lines) < 2 or not all(line[0] for line in lines):
+        return None
+    mm = _millimetres(path, unit.replace("\\u00B5", "u"))
+    return mm * lines[0][1] / lines[0][0], mm * lines[1][1] / lines[1][0], mm * apart
+
+
+def side(letters: str) -> str:
+    """PLUS' letters as the side of the probe: the axis that runs far from it (F) or near to it (N). "MFA" is PLUS'
+    constant and says nothing of a volume."""
+    at = max(letters.find("F"), letters.find("N"))
+    if len(letters) != 3 or at < 0 or letters == "MFA":
+        return ""
+    return ("-" if letters[at] == "F" else "+") + "xyz"[at]
+
+
+def patched(path: Path, fields: dict[str, str]) -> Any:
+    """A copy of a MetaImage of four dimensions with a matrix and places of four, which SUPRA leaves at three and ITK
+    cannot read; None: it needs none."""
+    numbers = fields.get("transformmatrix", "").split()
+    if fields.get("ndims") != "4" or len(numbers) != 9:
+        return None
+    data = path.read_bytes()
+    head, line, rest = data.partition(b"ElementDataFile")
+    value, _, voxels = rest.partition(b"\n")
+    if b"LOCAL" not in value.upper():
+        name = os.fsdecode(value.split(b"=", 1)[1].strip())
+        value, voxels = b" = LOCAL", (path.parent / name).read_bytes()
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.reshape([float(n) for n in numbers], (3, 3))
+    lines = [f"TransformMatrix = {' '.join(str(n) for n in matrix.ravel())}".encode()]
+    for name, more in (("Offset", "0"), ("ElementSpacing", "1"), ("CenterOfRotation", "0")):
+        told = fields.get(name.lower(), "").split()
+        lines += [f"{name} = {' '.join([*told, more][:4])}".encode()] if told else []
+    kept = [
+        part
+        for part in head.splitlines()
+        if part.split(b"=")[0].strip() not in (b"TransformMatrix", b"Offset", b"ElementSpacing", b"CenterOfRotation")
+    ]
+    copy = tempfile.NamedTemporaryFile(suffix=".mha")  # noqa: SIM115  # lives as long as its reader
+    copy.write(b"\n".join([*kept[:2], *lines, *kept[2:]]) + b"\n" + line + value + b"\n" + voxels)
+    copy.flush()
+    return copy
+
+
+def first_bytes(path: Path) -> bytes:
+    with open(path, "rb") as file:
+        return file.read(512)

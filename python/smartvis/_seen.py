@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: MIT
+"""How the machine sees a volume: levels, what was scanned, and the grid on which a plugin sees it. It is the machine's
+own code, a library (host_sim/seen), so that every door gives a plugin the same bytes."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import threading
+from collections.abc import Sequence
+from ctypes import POINTER, c_char, c_double, c_float, c_int32, c_uint32, c_uint64, c_void_p
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _runtime
+from ._errors import LoadError, SmartVisError
+
+SIDES = ("-z", "+z", "-y", "+y", "-x", "+x")  #: of a volume, at which the probe may be
+_PADDING = {"auto": 0, "all": 1, "zeros": 2}
+_lock = threading.Lock()  # the library serves one thread at a time
+
+
+class _Volume(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("n", c_uint32 * 3),
+        ("spacing", c_double * 3),
+        ("unsaid", c_uint32),
+        ("padding", c_uint32),
+        ("direction", c_double * 9),
+        ("probe", c_uint32),
+        ("probe_said", c_uint32),
+        ("window", c_double * 2),
+        ("bytes", c_void_p),
+        ("values", c_void_p),
+        ("mask", c_void_p),
+        ("levels", c_void_p),
+        ("low", c_double),
+        ("high", c_double),
+        ("outside", c_double),
+        ("has_outside", c_uint32),
+        ("doubt", c_char * 200),
+        ("question", c_char * 160),
+        ("found", c_uint64 * 160),
+    ]
+
+
+class _View(ctypes.Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("turned", c_uint32),
+        ("rotation", c_double * 9),
+        ("lowres", c_uint32),
+        ("n", c_uint32 * 3),
+        ("box", c_double * 2),
+        ("probe_rotation", c_float * 9),
+        ("probe_side", c_float * 3),
+        ("beams", c_uint32),
+        ("beam_apex_mm", c_float * 3),
+        ("beam_sweep_mm", c_float),
+    ]
+
+
+@cache
+def _library() -> Any:
+    own = Path(__file__).with_name("plugin") / "smartvis_seen.so"
+    clone = Path(__file__).resolve().parents[2] / "build" / "smartvis_seen.so"
+    path = own if own.exists() else clone
+    _runtime.use_one()
+    try:
+        library = ctypes.CDLL(str(path), mode=os.RTLD_NOW | os.RTLD_LOCAL)
+    except OSError as error:
+        raise LoadError(f"{path}: {error}") from None
+    library.hs_seen_error.restype = ctypes.c_char_p
+    library.hs_seen_take.argtypes = [POINTER(_Volume)]
+    library.hs_seen_plan.argtypes = [POINTER(_Volume), POINTER(_View)]
+    library.hs_seen_look.argtypes = [POINTER(_Volume), POINTER(_View), c_void_p, c_void_p]
+    library.hs_seen_reason.argtypes = [c_void_p, ctypes.c_char_p]
+    for name in ("take", "plan", "look", "reason"):
+        getattr(library, f"hs_seen_{name}").restype = c_int32
+    return library
+
+
+def _call(name: str, *arguments: Any) -> None:
+    _runtime.check_process()
+    with _lock:
+        library = _library()
+        if not getattr(library, f"hs_seen_{name}")(*arguments):
+            reason = library.hs_seen_error().decode("utf-8", "replace")
+            raise SmartVisError(reason) if name == "look" else ValueError(reason)
+
+
+@dataclass
+class Grid:
+    """Where a camera's voxels lie: shape slices, height, width; `box` is mm across, and deep; `rotation` has the
+    camera's right, down and forward as rows."""
+
+    shape: tuple[int, int, int]
+    box: tuple[float, float]
+    rotation: NDArray[np.float64]
+    probe: NDArray[np.float64] | None  #: the rotation from its axes to the camera's, if its side is known
+    beams: Any  #: how they run, as a Clipper takes it
+    view: Any
+
+
+class Levels:
+    """A volume as the machine takes it. `levels` are bytes [z, y, x]; 0 was not scanned."""
+
+    def __init__(
+        self,
+        volume: NDArray[Any],
+        spacing: Sequence[float] | None = None,
+        *,
+        scanned: str = "zeros",
+        mask: NDArray[np.bool_] | None = None,
+        window: tuple[float, float] | None = None,
+        directions: Sequence[float] | None = None,
+        side: str | None = None,
+    ) -> None:
+        """ValueError: the volume cannot be taken, and why."""
+        if volume.dtype.kind not in "uifb":
+            raise ValueError(f"the volume holds {volume.dtype}, expected whole or floating-point numbers")
+        if volume.ndim != 3 or 0 in volume.shape:
+            raise ValueError(f"the volume has shape {volume.shape}, expected [z, y, x]")
+        plain = volume.dtype == np.uint8
+        self._voxels = np.ascontiguousarray(volume, np.uint8 if plain else np.float64)
+        self._mask = None if mask is None else np.ascontiguousarray(mask, bool)
+        self.levels: NDArray[np.uint8] = np.empty(volume.shape, np.uint8)
+        v = self._volume = _Volume(size=ctypes.sizeof(_Volume), unsaid=spacing is None, padding=_PADDING[scanned])
+        v.n[:] = volume.shape[::-1]
+        v.spacing[:] = spacing or (1.0, 1.0, 1.0)
+        v.direction[:] = np.eye(3).ravel() if directions is None else directions
+        v.window[:] = window or (0.0, 0.0)
+        v.probe, v.probe_said = (SIDES.index(side), 1) if side is not None else (0, 0)
+        setattr(v, "bytes" if plain else "values", _at(self._voxels))
+        v.mask = None if self._mask is None else _at(self._mask)
+        v.levels = _at(self.levels)
+        _call("take", ctypes.byref(v))
+        self._voxels = self._mask = None  # type: ignore[assignment]  # only the levels are read from here on
+        v.bytes = v.values = v.mask = None
+        self.doubt: str = v.doubt.decode()  #: what is not plausible about the size, or ""
+        self.low: float = v.low  #: the value that became 0, ...
+        self.high: float = v.high  #: ... and that which became 255
+        self.question: str = v.question.decode()  #: what to ask of where the probe was, or ""
+        self.outside: float | None = v.outside if v.has_outside else None  #: what lies outside the scan
+
+    def plan(self, rotation: NDArray[np.float64] | None = None, lowres: int = 0) -> Grid:
+        """The machine's grid for a camera (rows), None: from the probe. `lowres`: pixels across, 0: its own."""
+        view = _View(size=ctypes.sizeof(_View), turned=rotation is not None, lowres=lowres)
+        if rotation is not None:
+            view.rotation[:] = rotation.T.ravel()
+        _call("plan", ctypes.byref(self._volume), ctypes.byref(view))
+        width, height, slices = view.n
+        probe = np.array(view.probe_rotation, np.float64).reshape(3, 3)
+        rows = np.array(view.rotation).reshape(3, 3).T + 0.0
+        beams = (None, "parallel", (tuple(view.beam_apex_mm), view.beam_sweep_mm))[view.beams]
+        told = probe if probe.any() else None
+        return Grid((slices, height, width), (view.box[0], view.box[1]), rows, told, beams, view)
+
+    def look(self, grid: Grid) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
+        """The grid's voxels, and of every ray the first scanned slice and the first behind. SmartVisError: OpenCL
+        fails."""
+        voxels = np.empty(grid.shape, np.uint8)
+        ranges = np.empty((*grid.shape[1:], 2), np.uint16)
+        _call("look", ctypes.byref(self._volume), ctypes.byref(grid.view), _at(voxels), _at(ranges))
+        return voxels, ranges
+
+
+def words_of(report: Any) -> str:
+    """A plugin's reason in words for who holds the probe; "" if it has none."""
+    out = ctypes.create_string_buffer(320)
+    return out.value.decode() if _library().hs_seen_reason(ctypes.byref(report), out) else ""
+
+
+def _at(array: NDArray[Any]) -> int:
+    return int(array.__array_interface__["data"][0])

@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: MIT
+"""What users have, made of one scene: every kind of file is clipped as the plain one is, or refused in one true
+sentence, through every door that takes its format; and every door gives the same bits."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import SimpleITK as sitk
+from conftest import BUILD, LONG
+
+import smartvis
+from smartvis import _process
+from smartvis._files import Source
+from smartvis.cli import main
+
+Make = Callable[[Path, np.ndarray], None]
+SPACING = (1.25, 1.25, 2.5)
+
+
+@pytest.fixture(scope="module")
+def scan() -> np.ndarray:
+    return smartvis.scene("D01", size=96).full[::2]
+
+
+def written(voxels: np.ndarray, path: Path, spacing: tuple[float, ...] = SPACING) -> None:
+    image = sitk.GetImageFromArray(voxels)
+    image.SetSpacing(spacing)
+    sitk.WriteImage(image, str(path))
+
+
+def meta(path: Path, voxels: np.ndarray, *lines: str, kind: str = "MET_UCHAR", frames: int = 1) -> None:
+    many = f" {frames}" if frames > 1 else ""
+    head = [f"NDims = {3 + (frames > 1)}", f"DimSize = 96 96 48{many}", *lines, f"ElementType = {kind}"]
+    path.write_bytes("\n".join([*head, "ElementDataFile = LOCAL", ""]).encode() + voxels.tobytes() * frames)
+
+
+def nrrd(path: Path, voxels: np.ndarray, *lines: str, sizes: str = "96 96 48") -> None:
+    head = ["NRRD0005", "type: uchar", f"dimension: {len(sizes.split())}", f"sizes: {sizes}", "encoding: raw", *lines]
+    path.write_bytes("\n".join([*head, "", ""]).encode() + voxels.tobytes())
+
+
+def enhanced(path: Path, voxels: np.ndarray, times: int = 1, measures: bool = True, missing: int = -1) -> None:
+    """An Enhanced US Volume: spacing in the shared functional groups, place and time in those of each frame."""
+    from pydicom.dataset import Dataset, FileMetaDataset
+    from pydicom.uid import ExplicitVRLittleEndian, generate_uid
+
+    def of(**fields: Any) -> Dataset:
+        made = Dataset()
+        for name, value in fields.items():
+            setattr(made, name, value)
+        return made
+
+    where = [(t, z) for t in range(times) for z in range(48) if (t, z) != (0, missing)]
+    shared = of(PlaneOrientationVolumeSequence=[of(ImageOrientationVolume=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0])])
+    if measures:
+        shared.PixelMeasuresSequence = [of(PixelSpacing=[1.25, 1.25], SpacingBetweenSlices=2.5, SliceThickness=2.5)]
+    frames = [
+        of(
+            FrameContentSequence=[of(TemporalPositionIndex=t + 1, DimensionIndexValues=[t + 1, z + 1])],
+            PlanePositionVolumeSequence=[of(ImagePositionVolume=[0.0, 0.0, 2.5 * z])],
+        )
+        for t, z in where
+    ]
+    kind = "1.2.840.10008.5.1.4.1.1.6.2"
+    data = of(SOPClassUID=kind, SOPInstanceUID=generate_uid(), Modality="US", SeriesInstanceUID=generate_uid())
+    data.SamplesPerPixel, data.PhotometricInterpretation, data.NumberOfFrames = 1, "MONOCHROME2", len(where)
+    data.Rows, data.Columns, data.BitsAllocated, data.BitsStored, data.HighBit = 96, 96, 8, 8, 7
+    data.PixelRepresentation, data.PixelData = 0, b"".join(voxels[z].tobytes() for _, z in where)
+    data.SharedFunctionalGroupsSequence, data.PerFrameFunctionalGroupsSequence = [shared], frames
+    data.file_meta = FileMetaDataset()
+    data.file_meta.MediaStorageSOPClassUID, data.file_meta.TransferSyntaxUID = kind, ExplicitVRLittleEndian
+    data.file_meta.MediaStorageSOPInstanceUID = data.SOPInstanceUID
+    data.save_as(path, enforce_file_format=True)
+
+
+def folder_of(path: Path, voxels: np.ndarray) -> None:
+    path.mkdir()
+    for number in range(2):
+        enhanced(path / f"t{number}.dcm", voxels)
+
+
+def in_db(voxels: np.ndarray, outside: float) -> np.ndarray:
+    return np.where(voxels > 0, voxels / 4.0 - 60.0, outside).astype("<f4")
+
+
+def expected(name: str, voxels: np.ndarray) -> np.ndarray:
+    """The levels that a plugin is to get: of dB by the range of what was scanned, else the voxels as they are."""
+    if name == "outside.mha":
+        return np.where(voxels, np.maximum(voxels, 17), 0).astype(np.uint8)
+    if name == "white.nrrd":
+        return np.where(voxels, np.minimum(voxels, 254), 0).astype(np.uint8)
+    if name.startswith(("db", "inf")):
+        low, high = voxels[voxels > 0].min(), voxels.max()
+        levels = np.floor((voxels.astype(float) - low) / (float(high) - low) * 255 + 0.5)
+        return np.where(voxels, np.maximum(levels, 1), 0).astype(np.uint8)
+    return voxels
+
+
+MM = "ElementSpacing = 1.25 1.25 2.5"
+RIGHT: dict[str, Make] = {  # clipped as the plain file is
+    "enhanced.dcm": enhanced,
+    "times.dcm": lambda path, v: enhanced(path, v, times=3),
+    "folder": folder_of,
+    "outside.mha": lambda path, v: meta(path, np.where(v, expected(path.name, v), np.uint8(16)), MM),
+    "white.nrrd": lambda path, v: written(np.where(v, expected(path.name, v), np.uint8(255)), path),
+    "db_nan.mha": lambda path, v: meta(path, in_db(v, np.nan), MM, kind="MET_FLOAT"),
+    "db_999.mha": lambda path, v: meta(path, in_db(v, -999), MM, kind="MET_FLOAT"),
+    "inf.nrrd": lambda path, v: written(in_db(v, -np.inf), path),
+    "grey.mha": lambda path, v: meta(path, np.repeat(v[..., None], 3, -1), MM, "ElementNumberOfChannels = 3"),
+    "rgb.nrrd": lambda path, v: nrrd(
+        path, np.repeat(v[..., None], 4, -1), "space: LPS", "kinds: RGBA-color domain domain domain",
+        "space directions: none (1.25,0,0) (0,1.25,0) (0,0,2.5)", sizes="4 96 96 48"),
+    "um.nrrd": lambda path, v: nrrd(
+        path, v, "space: LPS", "space directions: (1250,0,0) (0,1250,0) (0,0,2500)", 'space units: "um" "um" "um"'),
+    "cm.nrrd": lambda path, v: nrrd(
+        path, v, "space: LPS", "space directions: (.125,0,0) (0,.125,0) (0,0,.25)", 'space units: "cm" "cm" "cm"'),
+    "plus.mha": lambda path, v: meta(
+        path, v, MM, "TransformMatrix = 1 0 0 0 1 0 0 0 1", "Kinds = domain domain domain",
+        "AnatomicalOrientation = RAI", "UltrasoundImageOrientation = MFA", "Seq_Frame0000_ImageStatus = OK"),
+    "supra.mha": lambda path, v: meta(
+        path, v, MM + " 1", "TransformMatrix = 1 0 0 0 1 0 0 0 1", "Seq_Frame0000_Timestamp = 1",
+        "Seq_Frame0001_Timestamp = 2", frames=2),
+}  # fmt: skip
+SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
+    "nospace.mha": (meta, 0, "does not say how far apart its voxels are"),
+    "nospace.nrrd": (nrrd, 0, "does not say how far apart its voxels are"),
+    "pages.tif": (lambda path, v: written(v, path), 0, "does not say how far apart its voxels are"),
+    "bare.dcm": (lambda path, v: enhanced(path, v, measures=False), 0, "does not say how far apart"),
+    "metres.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1.25e-3 1.25e-3 2.5e-3"), 0, "spacing in metres?"),
+    "colour.nrrd": (
+        lambda path, v: nrrd(path, np.stack([v, v // 2, v], -1), "kinds: RGB-color domain domain domain",
+                             sizes="3 96 96 48"), 3, "it is in colour"),
+    "feet.nrrd": (
+        lambda path, v: nrrd(path, v, "space: LPS", "space directions: (1,0,0) (0,1,0) (0,0,1)",
+                             'space units: "ft" "ft" "ft"'), 3, "its lengths are in 'ft'"),
+    "lost.dcm": (lambda path, v: enhanced(path, v, times=2, missing=5), 3, "which of them make up a volume is not"),
+    "gap.dcm": (lambda path, v: enhanced(path, v, missing=5), 3, "slices are missing or not evenly spaced"),
+}  # fmt: skip
+
+
+def host(*arguments: object) -> tuple[int, str]:
+    ended = subprocess.run(
+        [str(BUILD / "host_sim"), *map(str, arguments)], capture_output=True, text=True, timeout=LONG, check=False
+    )
+    return ended.returncode, ended.stdout + ended.stderr
+
+
+@pytest.fixture(scope="module")
+def plain(scan: np.ndarray) -> smartvis.Result:
+    return smartvis.clip(scan, SPACING)
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_every_kind_is_clipped_as_the_plain_file_is(
+    tmp_path: Path, scan: np.ndarray, plain: smartvis.Result, name: str
+) -> None:
+    RIGHT[name](tmp_path / name, scan)
+    source = Source(tmp_path / name)
+    several = {"times.dcm": 3, "folder": 2, "supra.mha": 2}
+    assert source.count == several.get(name, 1)
+    for number in range(source.count):
+        image = source.read(number)
+        assert np.allclose(image.GetSpacing(), SPACING) and image.GetSize() == (96, 96, 48)
+        result = smartvis.clip(image)
+        assert result.spacing_known and not result.doubt and not source.knows_patient
+        same = expected(name, scan)
+        wanted = plain if same is scan else smartvis.clip(same, SPACING, scanned="zeros")
+        assert np.array_equal(result.depth, wanted.depth)
+        assert name == "outside.mha" or abs(result.depth_mm.mean() - plain.depth_mm.mean()) < 2
+    if name.endswith(".mha"):
+        few = ["--frames", 1, "--setting", "smartvis", "--picture", 32, "--few-pictures", "--out", tmp_path]
+        code, said = host("run", "--volume", tmp_path / name, "--write", "depthmap", *few)
+        assert code == 0, said
+        theirs = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "depthmap.mha")))
+        assert np.array_equal(theirs.reshape(-1, 96, 96)[-1], result.depth_mm)
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_what_is_not_so_is_said(tmp_path: Path, scan: np.ndarray, name: str, capsys) -> None:
+    make, code, words = SAID[name]
+    make(tmp_path / name, scan)
+    command = ["clip", str(tmp_path / name), "--out", str(tmp_path / "out"), "--write", "mesh"]
+    assert main(command) == code
+    told = "".join(capsys.readouterr())
+    assert words in told and name in told, told
+    if name.endswith(".mha"):
+        assert words in host("info", tmp_path / name)[1]
+        few = ["--frames", 1, "--picture", 32, "--few-pictures", "--out", tmp_path]
+        assert words in host("run", "--volume", tmp_path / name, *few)[1]
+    if code == 0:
+        assert main([*command, "--spacing", "1.25,1.25,2.5"]) == 0
+        told = "".join(capsys.readouterr())
+        assert words not in told and " mm on average" in told
+
+
+def test_every_door_gives_the_same_bits(tmp_path: Path, scan: np.ndarray) -> None:
+    """host_sim run, clip(), smartvis clip and batch; serve's messages are held to clip() in test_serve."""
+    path = tmp_path / "scan.mha"
+    meta(path, scan, MM)
+    few = ["--frames", 1, "--setting", "smartvis", "--picture", 32, "--few-pictures", "--out", tmp_path]
+    assert host("run", "--volume", path, "--write", "depthmap", *few)[0] == 0
+    for command in ("clip", "batch"):
+        assert main([command, str(path), "--out", str(tmp_path / command), "--write", "depth"]) == 0
+    (batched,) = (tmp_path / "batch").rglob("*_depth.nrrd")
+    files = [tmp_path / "depthmap.mha", tmp_path / "clip" / "scan_depth.nrrd", batched]
+    maps = [sitk.GetArrayFromImage(sitk.ReadImage(str(file)))[0] for file in files]
+    assert all(np.array_equal(one, smartvis.clip(path).depth_mm) for one in maps)
+
+
+def test_a_library_that_dies_takes_one_file(tmp_path: Path, scan: np.ndarray, capsys) -> None:
+    """A DICOM nested 11,000 deep ends GDCM, and asked of every name that ITK does not know."""
+    written(scan, tmp_path / "good.nrrd")
+    item, end = b"\xfe\xff\x00\xe0\xff\xff\xff\xff", b"\xfe\xff\x0d\xe0\x00\x00\x00\x00"
+    nest = b"\x08\x00\x40\x11SQ\x00\x00\xff\xff\xff\xff" + item
+    close = end + b"\xfe\xff\xdd\xe0\x00\x00\x00\x00"
+    deep = bytes(128) + b"DICM" + nest * 11000 + close * 11000
+    for name in ("deep.dcm", "deep.nrrd"):
+        (tmp_path / name).write_bytes(deep)
+        assert main(["clip", str(tmp_path / name), str(tmp_path / "good.nrrd"), "--out", str(tmp_path / "o")]) == 3
+        told = "".join(capsys.readouterr())
+        assert name in told and "good.nrrd: 96 x 96 x 48, OK" in told and "Traceback" not in told, told
+    with pytest.raises(smartvis.SmartVisError, match="x: the library that reads it crashes at it"):
+        _process.ask("crash", "x")
+
+
+def test_forked_processes_are_told_and_spawned_ones_work(tmp_path: Path) -> None:
+    code = """
+import multiprocessing, sys, numpy, smartvis
+def work(_):
+    try:
+        return smartvis.clip(numpy.zeros((16, 16, 16), numpy.uint8)).outcome.name
+    except RuntimeError as error:
+        return str(error)
+if __name__ == "__main__":
+    work(0)
+    for way in ("fork", "spawn", "forkserver"):
+        with multiprocessing.get_context(way).Pool(1) as pool:
+            print(way, pool.map_async(work, [0]).get(600)[0])
+"""
+    (tmp_path / "program.py").write_text(code)
+    command = [sys.executable, "-P", str(tmp_path / "program.py")]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=LONG, check=False)
+    lines = dict(line.split(" ", 1) for line in ended.stdout.splitlines())
+    assert "before this process was forked" in lines["fork"] and "spawn" in lines["fork"], ended.stderr
+    assert lines["spawn"] == lines["forkserver"] == "NO_SURFACE"
+
+
+def test_a_comma_for_a_decimal_mark_changes_nothing(tmp_path: Path, scan: np.ndarray) -> None:
+    """As Qt sets it. ITK would read a spacing of 1, 1, 2, and write it."""
+    import locale
+
+    names = ("de_DE.UTF-8", "fr_FR.UTF-8", "de_DE.utf8")
+    before = locale.setlocale(locale.LC_NUMERIC)
+    written(scan, tmp_path / "scan.nrrd")
+    for name in names:
+        try:
+            locale.setlocale(locale.LC_NUMERIC, name)
+            break
+        except locale.Error:
+            continue
+    else:
+        pytest.skip(f"none of {', '.join(names)} is installed")
+    try:
+        assert Source(tmp_path / "scan.nrrd").read().GetSpacing() == SPACING
+        assert main(["clip", str(tmp_path / "scan.nrrd"), "--out", str(tmp_path), "--write", "clipped"]) == 0
+    finally:
+        locale.setlocale(locale.LC_NUMERIC, before)
+    assert sitk.ReadImage(str(tmp_path / "scan_clipped.nrrd")).GetSpacing() == SPACING
+
+
+def test_a_fill_value_far_away_costs_no_bins(tmp_path: Path, scan: np.ndarray) -> None:
+    wide = scan.astype(np.int32)
+    wide[20, 40, 40] = -300_000_000
+    written(wide, tmp_path / "wide.nrrd")
+    command = ["clip", str(tmp_path / "wide.nrrd"), "--out", str(tmp_path), "--write", "mesh", "--window", "0,255"]
+    assert main(command) == 0
+    assert (tmp_path / "wide_mesh.ply").stat().st_size > 10_000
