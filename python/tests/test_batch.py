@@ -31,7 +31,7 @@ from smartvis._work import Settings
 from smartvis.cli import main
 
 SETTINGS = Settings(parameters={"method": "wall"}, products=("clipped",), scanned="all")
-SHAPE = (40, 32, 36)
+SHAPE = (40, 36, 36)
 
 
 def shifted(number: int) -> np.ndarray:
@@ -230,7 +230,7 @@ def test_the_page_has_a_picture_of_every_volume(tmp_path: Path, client) -> None:
     folder = tmp_path / "study" / "<b>anna #1?"
     folder.mkdir(parents=True)
     scan = sitk.GetImageFromArray(shifted(1))
-    scan.SetSpacing((0.5, 1.0, 2.0))  # 18 x 32 x 80 mm
+    scan.SetSpacing((0.5, 1.0, 2.0))  # 18 x 36 x 80 mm, seen in a box of 36 x 36 x 80
     sitk.WriteImage(scan, str(folder / "a&b.nrrd"))
     sitk.WriteImage(sitk.GetImageFromArray(np.full(SHAPE, 150, np.uint8)), str(folder / "bare.nrrd"))
     sitk.WriteImage(sitk.JoinSeries([scan, scan]), str(folder / "beat.nii.gz"))
@@ -245,7 +245,7 @@ def test_the_page_has_a_picture_of_every_volume(tmp_path: Path, client) -> None:
     said = dict.fromkeys(names[:3], "clipped") | {names[3]: "nothing was clipped"}
     assert set(pictures) == {f"{name}, {what}" for name, what in said.items()}
     sizes = {alt: sitk.ReadImage(str(out / src)).GetSize() for alt, src in pictures.items()}
-    wide = round(128 * 18 / 32) * 2 + round(128 * 80 / 32) + 6
+    wide = 128 * 2 + round(128 * 80 / 36) + 6
     assert sizes[f"{names[0]}, clipped"] == (wide, 128)
     failed = [unescape(line) for line in re.findall("<li>(.*)</li>", page)]
     assert len(failed) == 2 and any("lat\\udce9in.nrrd': the name is not UTF-8" in line for line in failed)

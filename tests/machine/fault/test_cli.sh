@@ -137,9 +137,11 @@ for call in activate begin slab end; do
 done
 expect 4 "no_such.so" list --plugin no_such.so
 
-# SV_NO_SURFACE is no failure, but unclipped all the same. SmartVis says why.
-expect 0 "" "${good[@]}"
+# SV_NO_SURFACE is no failure, but unclipped all the same. SmartVis says why; of a size that no scan has, the host.
+expect 0 "" "${good[@]}" --spacing 5,5,5
 holds grep -q "^Why: Too little was scanned, or all of it has one grey level" stdout
+expect 0 "" "${good[@]}" --spacing 0.005,0.005,0.005
+holds grep -q "^Why: The volume is 0.08 mm wide: is its spacing in metres?" stdout
 rm -rf out
 expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" --set note=true --set depth=30
 holds cmp out/result.png full.png
