@@ -159,19 +159,11 @@ static bool run_steps(making *m) {
     return true;
 }
 
-/* Where the probe was, and its fan (scene_camera.c), from the middle of the camera's cube. */
+/* Where the probe was. A scene's beams run along its z, as its shadows do, whatever fan it is seen in. */
 static void tell_beams(const hs_scene_spec *spec, hs_volume *full) {
-    const double middle[3] = {0.5 * full->nx * full->spacing[0], 0.5 * full->ny * full->spacing[1],
-                              0.5 * full->nz * full->spacing[2]};
-    const double radius = (double)spec->fan.azimuth_radius_mm;
-    hs_course *c = &full->course;
     hs_volume_scanned_from(full, HS_PROBE_LOW_Z);
     hs_scene_camera_turn(spec, full->probe_turn);
-    c->kind = spec->fan.on ? HS_BEAMS_FAN : HS_BEAMS_PARALLEL;
-    if (!spec->fan.on) return;
-    for (int k = 0; k < 3; k++) c->apex[k] = middle[k] - full->probe_turn[k * 3 + 2] * (radius + middle[2]);
-    c->sweep = radius - (double)spec->fan.sweep_radius_mm;
-    c->face = radius;
+    full->course.kind = HS_BEAMS_PARALLEL;
 }
 
 static bool allocate(making *m, const uint32_t n[3], const float h[3]) {

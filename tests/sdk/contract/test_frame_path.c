@@ -300,8 +300,8 @@ static void each_program_is_built_once(void **state) {
 }
 
 /* PoCL compiles a kernel when it is first launched: activation launches all that frames do, and no other. A
- * frame that clips where fluid is doubtful launches more than others. (For the other methods the mean
- * filter's test proves the points that they start from.) */
+ * frame that clips where fluid is doubtful launches more than others, and so does one that tells its beams.
+ * (For the other methods the mean filter's test proves the points that they start from.) */
 static void activation_compiles_what_frames_launch(void **state) {
     fixture *f = *state;
     watch(f);
@@ -316,7 +316,12 @@ static void activation_compiles_what_frames_launch(void **state) {
             forget();
             const sv_result result = fixture_result(f);
             const sv_param_value clip = {rig_param(&f->r, "unsure"), 0, rig_enum(&f->r, "unsure", "clip")};
-            const sv_frame frame = {.size = sizeof frame, .values = &clip, .value_count = 1};
+            const sv_frame frame = {.size = sizeof frame,
+                                    .values = &clip,
+                                    .value_count = 1,
+                                    .probe_rotation = {[0] = 1, [4] = 1, [8] = 1},
+                                    .probe_side = {0, 0, -1},
+                                    .beams = SV_BEAMS_PARALLEL};
             assert_int_equal(f->r.plugin->begin(f->r.plugin, &frame), SV_OK);
             for (uint32_t i = 0; i < FIXTURE_SLABS; i++) assert_int_equal(fixture_slab(f, i), SV_OK);
             assert_int_equal(f->r.plugin->end(f->r.plugin, &result), SV_OK);
