@@ -32,12 +32,12 @@ typedef struct {
     sv_wall_outcome last;
     double doubtful_confidence; /* a doubtful surface is so sure where another has 1, */
     double opening_mm;          /* and it has no pit that is narrower than this */
-    bool clip_doubtful;         /* clip at a doubtful surface, too */
-    double tail_rank;           /* the spread of the wall's brightness leaves such a share on either side */
-    double slope;               /* of the logistic function, per spread */
-    double fetus_level;         /* spreads above the wall where the probability of the fetus is one half */
-    double first_run_extra;     /* spreads more for the first run of a ray, and for enclosed tissue */
-    double one_side; /* weight of the general probability if the fetus is reached from one side only */
+    bool clip_doubtful;     /* clip at a doubtful surface, too; and where there is no fluid, it is doubtful */
+    double tail_rank;       /* the spread of the wall's brightness leaves such a share on either side */
+    double slope;           /* of the logistic function, per spread */
+    double fetus_level;     /* spreads above the wall where the probability of the fetus is one half */
+    double first_run_extra; /* spreads more for the first run of a ray, and for enclosed tissue */
+    double one_side;        /* weight of the general probability if the fetus is reached from one side only */
     /* So deep is skin, which tells nothing of the run that begins with it; bone lies that far behind it. */
     double skin_mm;
     /* Distance to the fluid that costs 1. Darkness at the start of a ray's scan that is at most so deep is no

@@ -198,12 +198,18 @@ static uint limit_after(const sv_wall_layout *l, uint limit, bool above, bool be
     return above ? lower : below ? limit + l->hysteresis : limit;
 }
 
+/* True if a person who asks for it gets a surface all the same. */
+static bool clips_if_asked(uint answer) {
+    return answer == SV_WALL_DOUBTFUL || answer == SV_WALL_NO_FLUID;
+}
+
 /* Takes what the beams say of the volume: without a surface along them there is none. */
-static void take_answer(__global const uint *told, __global uint *info) {
+static void take_answer(const sv_wall_layout *l, __global const uint *told, __global uint *info) {
     const uint answer = told[SV_WALL_INFO_LAST];
     info[SV_WALL_INFO_FOUND] = told[SV_WALL_INFO_FOUND];
     info[SV_WALL_INFO_WANTED] = told[SV_WALL_INFO_WANTED];
-    if (answer != SV_WALL_DOUBTFUL) info[SV_WALL_INFO_OUTCOME] = answer;
+    if (answer != SV_WALL_DOUBTFUL && !(clips_if_asked(answer) && l->clip_doubtful))
+        info[SV_WALL_INFO_OUTCOME] = answer;
 }
 
 /* Launched as one work item: decides whether the frame shows the fetus. `fetus`: for each row of cells, the
@@ -213,7 +219,7 @@ __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus
                           __global const uint *restrict told, __global uint *restrict info) {
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     if (l.told) {
-        take_answer(told, info);
+        take_answer(&l, told, info);
         return;
     }
     ulong sum = 0;
@@ -258,9 +264,9 @@ __kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps
     uint verdict = info[SV_WALL_INFO_OUTCOME];
     if (verdict == SV_WALL_SURFACE) {
         verdict = l.told ? told[SV_WALL_INFO_LAST] : ask_gaps(&l, gaps, info);
-        info[SV_WALL_INFO_DOUBTFUL] = verdict == SV_WALL_DOUBTFUL;
-        info[SV_WALL_INFO_OUTCOME] =
-            info[SV_WALL_INFO_DOUBTFUL] && l.clip_doubtful ? SV_WALL_SURFACE : verdict;
+        const bool asked = clips_if_asked(verdict) && l.clip_doubtful;
+        info[SV_WALL_INFO_DOUBTFUL] = asked || verdict == SV_WALL_DOUBTFUL;
+        info[SV_WALL_INFO_OUTCOME] = asked ? SV_WALL_SURFACE : verdict;
     }
     info[SV_WALL_INFO_LAST] = verdict;
     const bool clips = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;

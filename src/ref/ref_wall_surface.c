@@ -323,6 +323,8 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
         find_confidence(scan, layers + COST * count, filtered + PLACE * count, layers, confidence);
         count_gaps(scan, levels->fluid, filtered + PLACE * count, gaps);
         *outcome = told ? *told : sv_wall_verdict(l, gaps);
+        /* a person who asks for it gets a surface all the same */
+        if (*outcome == SV_WALL_NO_FLUID && l->clip_doubtful) *outcome = SV_WALL_DOUBTFUL;
         if (*outcome == SV_WALL_DOUBTFUL) fill_pits(scan, filtered, layers);
         apply_knob(scan, filtered);
         interpolate(l, filtered + PLACE * count, (float)l->depth, depth);

@@ -164,7 +164,7 @@ bool wall_compare(rig *r, const wall_shape *s, const uint8_t *volume, const char
             compare_layout(r, s, volume, &e, layouts[n], what);
         surface = clips(&e);
         wall_expected_free(&e);
-        if (e.outcome != SV_WALL_DOUBTFUL) break;
+        if (e.outcome != SV_WALL_DOUBTFUL && e.outcome != SV_WALL_NO_FLUID) break;
     }
     return surface;
 }

@@ -180,7 +180,10 @@ static void test_surface_lies_in_what_is_dark(void **state) {
         assert_true(s.depth[i] > 7.0f && s.depth[i] <= 18.0f && fabs(s.confidence[i] - 0.3 * sure) < 1e-6);
     run_gap(&s, 2, 14, MUSCLE, false); /* 0.125 */
     assert_int_equal(s.outcome, SV_WALL_DOUBTFUL);
-    run_gap(&s, 2, 15, MUSCLE, true); /* 0.118 */
+    run_gap(&s, 2, 15, MUSCLE, true); /* 0.118, but it is asked for */
+    assert_int_equal(s.outcome, SV_WALL_DOUBTFUL);
+    assert_true(s.depth[0] > 7.0f);
+    run_gap(&s, 2, 15, MUSCLE, false);
     assert_int_equal(s.outcome, SV_WALL_NO_FLUID);
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
     scan_free(&s);
