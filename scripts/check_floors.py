@@ -161,13 +161,15 @@ def includes(root):
 def calls(build):
     """Circles among the objects of a build folder, by who uses whose symbols."""
     owner, uses, arrows = {}, [], ({}, {})
-    objects = [path for path in (build / "obj").rglob("*.c.o") if path.relative_to(build).parts[1] not in {"tests", "examples"}]
+    # "__": compiled a second time, for a library of another folder
+    objects = [path for path in (build / "obj").rglob("*.c.o")
+               if path.relative_to(build).parts[1] not in {"tests", "examples"} and "__" not in path.parts]
     listed = subprocess.run(["nm", "-A", "-g", "-P", *objects], capture_output=True, text=True, check=True).stdout
     for place, symbol, kind, *_ in map(str.split, listed.splitlines()):
         source = re.sub(r"^.*/obj/|CMakeFiles/[^/]*\.dir/|\.o:$", "", place)
         if kind == "U":
             uses.append((source, symbol))
-        elif kind != "w" and "/spy/" not in source:  # spies define the names of libc and OpenCL
+        elif kind != "w" and not re.search(r"/spy/|/old_libc\.c$", source):  # these define names of libc and OpenCL
             owner[symbol] = source
     for user, symbol in uses:
         used = owner.get(symbol, user)

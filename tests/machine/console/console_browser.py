@@ -244,11 +244,11 @@ def a_slow_host(b):
 
 
 def what_is_doubtful_can_be_tried(b):
-    """A volume from its side, where fluid is doubtful: the rule, its figures, and a button that clips all the same."""
+    """A volume whose fluid is doubtful: the rule, its figures, and a button that clips all the same."""
     settings = b.run("return JSON.stringify([state.source, state.camera, state.lanes[0].values])")
-    b.run("state.source = { scene: 'H16', size: 64, volumes: 1, from: 'probe' }; state.camera.yaw = 90; state.camera.pitch = 0;"
+    b.run("state.source = { scene: 'R9_26', size: 64, volumes: 1, from: 'probe' }; state.camera.yaw = state.camera.pitch = 0;"
           "state.lanes[0].values = {}; showChosenSource(); changed(false)")
-    settle(b, "H16 from its side")
+    settle(b, "R9_26")
     holds(not b.run("return lastFigures.lanes[0].clipped"), "it is clipped before it is tried")
     said = b.run("return at('outcome').textContent")
     for words in ("No fluid found before the fetus: nothing removed.", "Why, and what to try", " % of what is as dark as fluid", " % on it is sure"):

@@ -339,7 +339,7 @@ static void look_at(int n, sight *seen) {
 
 /* A plugin that dies of what it should have refused: the last line says what that was. */
 static bool is_told(const sight *seen, int status) {
-    return seen->named || (WIFSIGNALED(status) && strstr(seen->last, "the plugin owes"));
+    return seen->named || (status != 0 && strstr(seen->last, "the plugin owes")); /* a sanitizer exits */
 }
 
 static void what_a_careless_host_finds_is_named(void **state) {
