@@ -17,6 +17,7 @@ import numpy as np
 from pyigtl.messages import ImageMessage
 
 PROMISED = {128: 20.0}  # volumes a second by side
+MM = 0.8  # between voxels
 
 
 def message(side: int) -> bytes:
@@ -24,7 +25,7 @@ def message(side: int) -> bytes:
     volume = np.full((side, side, side), 200, np.uint8)
     volume[: 3 * side // 5] = 10
     volume[: side // 5] = 100
-    packed: bytes = ImageMessage(volume, ijk_to_world_matrix=np.diag([0.8, 0.8, 0.8, 1.0]), device_name="Scan").pack()
+    packed: bytes = ImageMessage(volume, ijk_to_world_matrix=np.diag([MM, MM, MM, 1.0]), device_name="Scan").pack()
     return packed
 
 
@@ -68,7 +69,8 @@ def measure(side: int, volumes: int) -> tuple[float, float]:
                 passed, busy = time.perf_counter() - start, processor_seconds(server.pid) - before
         finally:
             server.terminate()
-    assert len(clipped) == len(whole) - 58 and len(depth) > 4 * side * side and outcome.endswith(b"OK")
+    pixels = round(MM * side) ** 2  # the machine's grid has one a mm
+    assert len(clipped) == len(whole) - 58 and len(depth) > 4 * pixels and outcome.endswith(b"OK")
     return volumes / passed, volumes / max(busy, 1e-9)
 
 

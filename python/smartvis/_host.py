@@ -15,7 +15,7 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from . import _abi, _runtime
+from . import _runtime
 from ._errors import HostError
 
 _OWN = Path(__file__).with_name("plugin") / "host_sim"
@@ -63,7 +63,4 @@ def _environment(program: str) -> dict[str, str]:
 
 
 def _cure(code: int, said: str, environment: Mapping[str, str]) -> str:
-    if code != _OPENCL:
-        return ""
-    status = _abi.SV_ERR_NO_DEVICE if "no OpenCL " in said else _abi.SV_ERR_BUILD
-    return _runtime.mend(status, said, environment)
+    return _runtime.cure(said, environment) if code == _OPENCL else ""

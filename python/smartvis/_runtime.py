@@ -73,6 +73,11 @@ def _lacks_linker(library: str) -> bool:
     return "libpocl" in library and shutil.which("ld") is None
 
 
+def cure(said: str, environment: Mapping[str, str] | None = None) -> str:
+    """`mend` for the machine's code, which says in words alone that OpenCL is what is missing."""
+    return mend(_abi.SV_ERR_NO_DEVICE if "no OpenCL " in said else _abi.SV_ERR_BUILD, said, environment)
+
+
 def mend(status: int, reason: str, environment: Mapping[str, str] | None = None) -> str:
     """What to do where OpenCL is what is missing: " (...)" for the end of a message, else nothing. `environment` is of
     the process that misses it, None: this one."""

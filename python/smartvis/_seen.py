@@ -92,7 +92,7 @@ def _call(name: str, *arguments: Any) -> None:
         library = _library()
         if not getattr(library, f"hs_seen_{name}")(*arguments):
             reason = library.hs_seen_error().decode("utf-8", "replace")
-            raise SmartVisError(reason) if name == "look" else ValueError(reason)
+            raise SmartVisError(reason + _runtime.cure(reason)) if name == "look" else ValueError(reason)
 
 
 @dataclass

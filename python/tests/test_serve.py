@@ -327,7 +327,9 @@ def test_eight_clients_that_ask_for_the_largest_stay_within_the_limit() -> None:
             said = [read_message(client) for client in clients]
         refused = [m.string for m in said if m.message_type == "STRING"]
         assert len(refused) >= 6 and all("MiB here, and there is room for" in text for text in refused)
-        assert high_water(process.pid) < before + 400 + 150  # and what the machine's look at a volume takes
+        # The machine's look is not in the limit: levels, grid and ranges, 12 MiB a client, are there before it is known
+        # what the plugin's instance takes. With the look's own buffers it was 138 MiB for the eight.
+        assert high_water(process.pid) < before + 400 + 150
         serves_again(number)
     finally:
         process.kill()
