@@ -121,7 +121,7 @@ def test_every_door_refuses(inside: Path, name: str) -> None:
 
 def test_the_console_refuses_them_and_goes_on(inside: Path, monkeypatch) -> None:
     """The last of the doors: one page asks for all of them in turn, and then for one that is right."""
-    monkeypatch.syspath_prepend(str(SOURCE / "tests" / "console"))
+    monkeypatch.syspath_prepend(str(SOURCE / "tests" / "machine" / "console"))
     client = importlib.import_module("console_client")
     names = [name for name in HOSTILE if name.endswith((".mha", ".mhd")) and name != "invalid.mha"]
     for name in names:
