@@ -61,7 +61,8 @@ bool surf_session_set(surf_session *s, const char *key, double value, hs_error *
 static bool fits(const surf_session *s, const wall_case *c) {
     const stage_way *w = &s->stage.way;
     return s->active && w->width == c->nx && w->height == c->ny && w->slices == c->nz &&
-           memcmp(s->spacing_mm, c->spacing_mm, sizeof s->spacing_mm) == 0;
+           s->spacing_mm[0] == c->spacing_mm[0] && s->spacing_mm[1] == c->spacing_mm[1] &&
+           s->spacing_mm[2] == c->spacing_mm[2];
 }
 
 /* What the stage cannot have ends the program: there is nothing to judge without it. */

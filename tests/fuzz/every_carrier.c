@@ -55,7 +55,7 @@ static sv_status read_row(sva *a, const sv_slab *s, uint32_t slice, uint32_t y) 
     return code == CL_SUCCESS ? SV_OK : SV_ERR_OPENCL;
 }
 
-static sv_status finish(sva *a, float *depth) {
+static sv_status finish(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     const keeper *k = (const keeper *)a->own;
     sv_status status = SV_OK;
     (void)depth;
@@ -84,7 +84,7 @@ static sv_status output(sva *a, const sv_result *r) {
                : SV_ERR_OPENCL;
 }
 
-static sv_status adjust(sva *a, float *depth) {
+static sv_status adjust(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     (void)a, (void)depth;
     return SV_OK;
 }

@@ -75,7 +75,7 @@ static size_t whole_pages(size_t bytes) {
 /* Slabs one behind the other, each in pages of its own; behind the exact ones a page that cannot be read. */
 static void place_slabs(stage *st) {
     const sv_format *f = &st->format;
-    const size_t rows = (f->max_slab_slices + f->tiles_x - 1) / f->tiles_x * f->tile_h;
+    const size_t rows = ((size_t)f->max_slab_slices + f->tiles_x - 1) / f->tiles_x * f->tile_h;
     const size_t each = whole_pages(rows * f->row_pitch + 64), page = whole_pages(1);
     st->page_bytes = (each + page) * st->slab_count;
     void *pages = mmap(NULL, st->page_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -123,8 +123,8 @@ static void make_objects(stage *st) {
             clCreateBuffer(context, CL_MEM_READ_ONLY, rays * sizeof(sv_scanned) + RANGES_OFFSET, NULL, &code);
     need(st, code, "a buffer");
     if (st->way.depth_object)
-        st->depth_object =
-            clCreateBuffer(context, CL_MEM_READ_WRITE, rays * sizeof(float) + 2 * OBJECT_OFFSET, NULL, &code);
+        st->depth_object = clCreateBuffer(context, CL_MEM_READ_WRITE,
+                                          rays * sizeof(float) + (size_t)2 * OBJECT_OFFSET, NULL, &code);
     need(st, code, "a buffer");
 }
 
@@ -230,7 +230,8 @@ void stage_poison(stage *st, uint8_t byte) {
     memset(st->results, byte, st->result_bytes);
     ((sv_stats *)(void *)(st->results + st->stats_at))->size = sizeof(sv_stats);
     if (!st->depth_object) return;
-    const size_t bytes = (size_t)st->format.width * st->format.height * sizeof(float) + 2 * OBJECT_OFFSET;
+    const size_t bytes =
+        (size_t)st->format.width * st->format.height * sizeof(float) + (size_t)2 * OBJECT_OFFSET;
     need(st, clEnqueueFillBuffer(st->device.queue, st->depth_object, &byte, 1, 0, bytes, 0, NULL, NULL),
          "to fill a buffer");
 }
