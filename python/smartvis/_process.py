@@ -28,7 +28,7 @@ def _start() -> subprocess.Popen[bytes]:
             _child.wait()
         environment = {k: v for k, v in os.environ.items() if not k.startswith("LC_")} | {"LC_ALL": "C.UTF-8"}
         paths = [os.path.dirname(os.path.dirname(os.path.abspath(__file__))), *sys.path]
-        code = f"import sys; sys.path[:0] = {paths[:1]!r}; from smartvis._reader import serve; serve()"
+        code = f"import sys; sys.path[:0] = {paths[:1]!r}; from smartvis._reading import serve; serve()"
         _child = subprocess.Popen(
             [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment
         )

@@ -4,15 +4,12 @@
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import errno
 import glob
 import gzip
 import math
 import os
-import pickle
 import re
-import signal
 import sys
 import tempfile
 import zlib
@@ -24,7 +21,7 @@ import numpy as np
 
 from . import _dicom, _geometry, _host, _images, _kretz
 from ._clipper import _checked_spacing
-from ._errors import FileError, HostError, MissingExtraError, OutputError
+from ._errors import FileError, HostError
 
 _HEADER = 1 << 24  # bytes of a header's text at most, as in the host
 _MOST_VOXELS = 1 << 31  # of a volume, as in the host
@@ -63,7 +60,7 @@ class Reader:
             raise _unreadable(self.path, error) from None
         except RuntimeError as error:
             self._ask_host()  # its reason is the better one
-            raise FileError(f"{self.path}: {_reason(error)}") from None
+            raise FileError(f"{self.path}: {reason(error)}") from None
 
     def _open(self) -> None:
         sitk = _images.sitk()
@@ -201,7 +198,7 @@ class Reader:
         except OSError as error:
             raise _unreadable(self.path, error) from None
         except RuntimeError as error:
-            raise FileError(f"{self.path}: {_reason(error)}") from None
+            raise FileError(f"{self.path}: {reason(error)}") from None
 
     def _said(self, image: Any) -> Any:
         """Lengths in mm, and a note where the file says none; the probe's side, where it says that."""
@@ -383,70 +380,7 @@ def _unreadable(path: Path, error: OSError) -> FileError:
     return FileError(f"{error.filename or path}: cannot be read: {error.strerror or error}")
 
 
-def _reason(error: RuntimeError) -> str:
+def reason(error: RuntimeError) -> str:
     """The last line of SimpleITK's many, without its places in the source."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     return lines[-1].split("ERROR: ")[-1] if lines else "not readable"
-
-
-# ------------------------------------------------------------------------------------------------ the process
-
-_reader: Reader | None = None  # of the file that was asked for last
-
-
-def open_file(path: str, mirror: bool) -> dict[str, Any]:
-    """What is known of a file before a volume is read."""
-    global _reader
-    _reader = None
-    _reader = Reader(path, mirror=mirror)
-    return {"count": _reader.count, "names": [volume.name for volume in _reader._dicom]}
-
-
-def read(path: str, mirror: bool, number: int) -> tuple[Any, ...]:
-    """A volume as (voxels, spacing, origin, direction, notes), and whether the file knows the patient."""
-    if _reader is None or str(_reader.path) != path or _reader._mirror != mirror:
-        open_file(path, mirror)
-    assert _reader is not None
-    return (*_images.parts(_reader.read(number)), _reader.knows_patient)
-
-
-def write(path: str, part: str, image: tuple[Any, ...]) -> None:
-    """Writes an image in the format that `part` names, compressed where the format can."""
-    try:
-        _images.sitk().WriteImage(_images.whole(*image), part, True)
-    except RuntimeError as error:
-        raise OutputError(f"{path}: {_reason(error)}") from None
-
-
-def crash(_: str) -> None:
-    """Dies as a library might: for tests."""
-    os.abort()
-
-
-def serve() -> None:
-    """Answers until nobody asks any more; ends with whoever started it."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(1, signal.SIGKILL)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what a library prints is no answer
-    what: dict[str, Any] = {"open": open_file, "read": read, "write": write, "crash": crash}
-    while True:
-        try:
-            name, *arguments = pickle.load(sys.stdin.buffer)
-        except EOFError:
-            return
-        try:
-            answer: tuple[bool, Any] = (True, what[name](*arguments))
-        except OutputError as error:
-            answer = (False, ("output", str(error)))
-        except MemoryError:
-            answer = (False, ("memory", f"{arguments[0]}: no memory to read it"))
-        except (FileError, MissingExtraError, HostError) as error:
-            answer = (False, ("file", str(error)))
-        except RecursionError:
-            answer = (False, ("file", f"{arguments[0]}: is nested too deep"))
-        except Exception as error:
-            answer = (False, ("file", f"{arguments[0]}: cannot be read as a volume ({type(error).__name__})"))
-        pickle.dump(answer, answers, protocol=5)
-        answers.flush()
