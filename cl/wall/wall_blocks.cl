@@ -252,7 +252,9 @@ static uint16 levels_on_beams(const sv_wall_grid *g, __global const uchar *camer
     for (uint a = 0; a < 3; a++) {
         const int16 at = b->from[a] + (int)k * b->step[a];
         inside &= (IN_BLOCKS(at, sides[a]));
-        const uint16 clamped = as_uint16(clamp(at, 0, (int)((sides[a] - 1) << SV_WALL_POSITION_BITS) - 1));
+        /* Vectors: oclgrind's clamp takes a scalar for the first lane only. */
+        const int16 last = (int16)((int)((sides[a] - 1) << SV_WALL_POSITION_BITS) - 1);
+        const uint16 clamped = as_uint16(clamp(at, (int16)(0), last));
         low[a] = clamped >> (uint)SV_WALL_POSITION_BITS;
         part[a] = (clamped & (uint)((1 << SV_WALL_POSITION_BITS) - 1)) * one >> (uint)SV_WALL_POSITION_BITS;
     }
