@@ -99,7 +99,7 @@ class Clipper:
             spacing_known=spacing is not None,
         )
 
-    def _format(self, scanned: bool, padding: int | None) -> _abi.sv_format:
+    def _format(self, scanned: bool, padding: int | None) -> Any:
         slices, height, width = self._shape
         made = _abi.sized(
             _abi.sv_format,
@@ -139,7 +139,7 @@ class Clipper:
         self._confidence_report = _abi.sized(_abi.sv_confidence_report)
         self._points_report = _abi.sized(_abi.sv_points_report)
 
-    def _needed(self, made: _abi.sv_format) -> int:
+    def _needed(self, made: Any) -> int:
         """Bytes by smartvis.needs/1; of a plugin that does not tell, what any needs: a volume and its maps."""
         needs = _abi.sized(_abi.sv_needs)
         device = _abi.sized(_abi.sv_needs_device, flags=_abi.SV_NEEDS_CPU | _abi.SV_NEEDS_UNIFIED, compute_units=16)

@@ -3,7 +3,7 @@
 
 from . import _abi, _runtime
 
-_NAMES = {value: name for name, value in vars(_abi).items() if name.startswith("SV_ERR_") and isinstance(value, int)}
+_NAMES = {value: name for name, value in _abi.NUMBERS.items() if name.startswith("SV_ERR_")}
 
 
 class SmartVisError(Exception):

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from . import _abi, _runtime
 from ._errors import LoadError, PluginError
@@ -94,7 +95,7 @@ class Parameter:
 class Plugin:
     """One plugin of a library: what it is, what it can do, its parameters."""
 
-    def __init__(self, library: ctypes.CDLL, path: str, entry: _abi.sv_entry, index: int) -> None:
+    def __init__(self, library: ctypes.CDLL, path: str, entry: Any, index: int) -> None:
         pointer = entry.descriptor(index)
         if not pointer:
             raise LoadError(f"{path}: the library says that it has {entry.count} plugins, but not number {index}")
@@ -115,10 +116,10 @@ class Plugin:
     def __repr__(self) -> str:
         return f"<Plugin {self.id} {self.version} of {self.path}>"
 
-    def create(self) -> ctypes._Pointer[_abi.sv_plugin]:
+    def create(self) -> ctypes._Pointer[Any]:
         """A new instance; whoever asks destroys it."""
         _runtime.check_process()
-        instance = _abi.SELF()
+        instance: ctypes._Pointer[Any] = _abi.SELF()
         _said.error = ""
         status = self._entry.create(ctypes.byref(_host), self.id.encode(), ctypes.byref(instance))
         if status != _abi.SV_OK or not instance:
@@ -160,7 +161,7 @@ class Plugin:
         return {known[key].id: known[key].encode(value) for key, value in values.items()}
 
 
-def _read_parameters(instance: ctypes._Pointer[_abi.sv_plugin]) -> list[Parameter]:
+def _read_parameters(instance: ctypes._Pointer[Any]) -> list[Parameter]:
     found = []
     for index in range(min(instance.contents.param_count(instance), _MOST_PARAMETERS)):
         info = _abi.sized(_abi.sv_param_info)
@@ -171,7 +172,7 @@ def _read_parameters(instance: ctypes._Pointer[_abi.sv_plugin]) -> list[Paramete
     return found
 
 
-def _describe(instance: ctypes._Pointer[_abi.sv_plugin], info: _abi.sv_param_info) -> Parameter:
+def _describe(instance: ctypes._Pointer[Any], info: Any) -> Parameter:
     kind = ("float", "int", "bool", "enum")[info.type] if info.type < 4 else "float"
     default: float | int | bool | str = info.default_value
     texts: dict[float, str] = {}
@@ -208,7 +209,7 @@ def _describe(instance: ctypes._Pointer[_abi.sv_plugin], info: _abi.sv_param_inf
     )
 
 
-def _value_text(instance: ctypes._Pointer[_abi.sv_plugin], param_id: int, value: float) -> str | None:
+def _value_text(instance: ctypes._Pointer[Any], param_id: int, value: float) -> str | None:
     out = ctypes.create_string_buffer(_MOST_TEXT)
     status = instance.contents.param_text(instance, param_id, value, out, _MOST_TEXT - 1)
     return _text(out.value) if status == _abi.SV_OK else None

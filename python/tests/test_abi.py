@@ -10,17 +10,18 @@ from conftest import SOURCE
 
 from smartvis import _abi
 
-HEADERS = ("smartvis_plugin.h", "smartvis/confidence.h", "smartvis/points.h", "smartvis/needs.h")
-STRUCTS = [
-    s for n, s in vars(_abi).items() if n.startswith("sv_") and isinstance(s, type) and issubclass(s, ctypes.Structure)
+HEADERS = [
+    "smartvis_plugin.h",
+    *(f"smartvis/{name}.h" for name in ("confidence", "needs", "points", "spline", "timing")),
 ]
-NUMBERS = {n: v for n, v in vars(_abi).items() if n.startswith("SV_") and isinstance(v, int)}
-TEXTS = {n: v for n, v in vars(_abi).items() if n.startswith("SV_") and isinstance(v, str)}
+STRUCTS = list(_abi.STRUCTS.values())
+FORMATS = {int: "lld", float: ".1f", str: "s"}
+CASTS = {int: "(long long)", float: "(double)", str: ""}
+CONSTANTS = {**_abi.NUMBERS, "SV_ABI_MINOR": _abi.SV_ABI_MINOR}
 
 
 def told_by_the_compiler(folder: Path) -> dict[str, str]:
-    lines = [f'printf("{n} %lld\\n", (long long)({n}));' for n in NUMBERS]
-    lines += [f'printf("{n} %s\\n", {n});' for n in TEXTS]
+    lines = [f'printf("{n} %{FORMATS[type(v)]}\\n", {CASTS[type(v)]}({n}));' for n, v in CONSTANTS.items()]
     for struct in STRUCTS:
         name = struct.__name__
         lines.append(f'printf("{name} %zu\\n", sizeof(struct {name}));')
@@ -42,7 +43,7 @@ def told_by_the_compiler(folder: Path) -> dict[str, str]:
 
 def test_every_number_size_and_offset_is_the_headers(tmp_path: Path) -> None:
     told = told_by_the_compiler(tmp_path)
-    ours = {n: str(v) for n, v in (NUMBERS | TEXTS).items()}
+    ours = {n: str(v) for n, v in CONSTANTS.items()}
     for struct in STRUCTS:
         ours[struct.__name__] = str(ctypes.sizeof(struct))
         for field, *_ in struct._fields_:
@@ -57,4 +58,4 @@ def test_no_status_of_the_header_is_missing() -> None:
     for line in text.splitlines():
         word = line.strip().split(" ")[0]
         if word.startswith(("SV_ERR_", "SV_PARAM_", "SV_LOG_")):
-            assert word in NUMBERS, word
+            assert word in CONSTANTS, word
