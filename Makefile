@@ -44,7 +44,7 @@ KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 INTEL_TESTS := ^check/test_(formats|mean|method_hard|methods|reduction|scanned|wall|wall_answer)$$
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -87,6 +87,11 @@ windows: # plugin, template and example hosts for 64-bit Windows, and what they 
 	@$(SETUP) $(PACKAGES) $(WINDOWS_PACKAGES)
 	@$(call build,build,,smartvis small_host queue_host first_edge kernel_edge)
 	@SV_WERROR=$(SV_WERROR) scripts/windows.sh build $(OUT)/windows
+
+macos: # plugin and examples for macOS, compiled only: out/macos (needs PyPI)
+	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
+	@$(call build,build,,smartvis kernel_edge)
+	@scripts/macos.sh build $(OUT)/macos
 
 spdx: # what the project is built with and runs with, with versions, as SPDX 2.3: out/smartvis.spdx
 	@$(SETUP) --check $(PACKAGES)
