@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "wall_layout.h"
 
+#include "smartvis_plugin.h"
+
 #include <math.h>
 
 #define GAUSSIAN_REACH 3.0 /* standard deviations */
@@ -108,7 +110,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
 
 void sv_wall_spacing_of(const sv_wall_layout *l, const double given[3], double mm[3]) {
     const uint32_t side = l->width > l->height ? l->width : l->height;
-    const double assumed = SV_WALL_EXTENT_MM / (side > l->slices ? side : l->slices);
+    const double assumed = (double)SV_ASSUMED_EXTENT_MM / (side > l->slices ? side : l->slices);
     for (int axis = 0; axis < 3; axis++)
         mm[axis] =
             fmin(fmax(given[axis] > 0.0 ? given[axis] : assumed, SV_WALL_SHORTEST_MM), SV_WALL_LONGEST_MM);

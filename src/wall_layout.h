@@ -9,8 +9,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define SV_WALL_EXTENT_MM 120.0
-
 /* Every constant of the definition: lengths in mm, ratios and ranks. An experiment may change them. */
 typedef struct {
     double block_mm;    /* side of a block */

@@ -22,8 +22,6 @@ static const sv_wall_work *work_of(const sv_map *m) {
     return by_items(m) ? &sv_wall_items : &sv_wall_rows;
 }
 
-_Static_assert((int)SV_WALL_EXTENT_MM == (int)SV_ASSUMED_EXTENT_MM, "an unknown spacing is assumed alike");
-
 static void spacing_of(const sv_map *m, double mm[3]) {
     for (int axis = 0; axis < 3; axis++) mm[axis] = (double)m->config->spacing[axis];
 }
