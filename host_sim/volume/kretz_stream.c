@@ -162,11 +162,11 @@ static bool find_in_dicom(hs_kretz_items *items, hs_error *err) {
         return hs_fail(err, HS_ERR_INPUT, "%s: byte %" PRIu64 ": the file ends within a sequence",
                        items->path, w.at);
     if (!w.stream.group)
-        return hs_fail(
-            err, HS_ERR_INPUT,
-            "%s: a DICOM file, but no element of group 7FE1 begins with 'KRETZFILE 1.0'; export the "
-            "volume as .vol from 4D View, or load its series in 3D Slicer and save it as .mha",
-            items->path);
+        return hs_fail(err, HS_ERR_INPUT,
+                       "%s: a DICOM file, but no element of group 7FE1 begins with 'KRETZFILE 1.0': "
+                       "'smartvis clip' of the "
+                       "Python package reads other volumes, or export it as .vol from 4D View",
+                       items->path);
     items->at = w.begin + HS_KRETZ_MAGIC_BYTES;
     items->end = w.begin + w.stream.bytes;
     items->padded = true;

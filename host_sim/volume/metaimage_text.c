@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 /* Where a NIfTI header has its size and its mark; Analyze 7.5 has the size alone. */
@@ -61,14 +62,13 @@ static bool ends_with(const char *path, const char *ending) {
     return n > m && strcasecmp(path + n - m, ending) == 0;
 }
 
-/* True, with HS_ERR_INPUT, if the first bytes are those of NRRD, NIfTI (also compressed), Analyze or DICOM:
- * the message names the format and says how to convert the file. */
+/* True, with HS_ERR_INPUT, if the first bytes are those of NRRD, NIfTI (also compressed), Analyze, TIFF,
+ * DICOM or a picture: the message names the format and says what reads it. */
 static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs_error *err) {
     const uint8_t *head = (const uint8_t *)head_text;
     uint8_t inner[NIFTI2_SIZE];
     const char *format = NULL;
-    const char *how = "open it in 3D Slicer and save it as .mha, or with Python's SimpleITK: "
-                      "WriteImage(ReadImage('in'), 'out.mha')";
+    const char *how = "'smartvis clip' of the Python package reads it";
     if (bytes >= 2 && head[0] == 0x1f && head[1] == 0x8b) {
         bytes = inflate_head(head, bytes, inner, sizeof inner);
         head = inner;
@@ -79,9 +79,14 @@ static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs
         format = "a NIfTI file";
     else if (starts_with(head, bytes, NIFTI1_SIZE) && ends_with(path, ".hdr"))
         format = "an Analyze file";
+    else if (holds(head, bytes, 0, "II*\0", 4) || holds(head, bytes, 0, "MM\0*", 4))
+        format = "a TIFF file";
     else if (holds(head, bytes, DICOM_MARK, "DICM", 4) || is_bare_dicom(head, bytes)) {
         format = "a DICOM file";
-        how = "load its series in 3D Slicer and save the volume as .mha";
+        how = "'smartvis clip' of the Python package reads it, or a folder with its series";
+    } else if (holds(head, bytes, 0, "\x89PNG", 4) || holds(head, bytes, 0, "\xff\xd8\xff", 3)) {
+        format = "a picture";
+        how = "one file has all slices of a volume";
     } else if (holds(head, bytes, 0, "KRETZFILE", 9)) {
         format = "a Kretz file";
         how = "labels and maps come in no other format";
@@ -271,6 +276,11 @@ bool hs_met_text_read(hs_met_text *text, const char *path, hs_error *err) {
     *text = (hs_met_text){.path = path, .err = err};
     uint64_t file_bytes = 0;
     size_t bytes = 0;
+    struct stat status;
+    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+        return hs_fail(err, HS_ERR_INPUT,
+                       "%s: is a folder; 'smartvis clip' of the Python package reads one with a DICOM series",
+                       path);
     FILE *file = hs_input_open(path, path, &file_bytes, err);
     if (!file) return false;
     const bool ok = read_bytes(text, file, &bytes) && !is_foreign(path, text->text, bytes, err) &&

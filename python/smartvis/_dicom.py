@@ -46,6 +46,9 @@ class Volume:
     in_patient: bool
 
 
+_PICTURES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}  # what slices are saved as
+
+
 def volumes(files: Sequence[Path], where: Path, whole_file: bool = False) -> list[Volume]:
     """The volumes that the files make up, of a folder `where`, or that is the one file that was named (`whole_file`).
     FileError: none, or pictures that make up none."""
@@ -55,7 +58,9 @@ def volumes(files: Sequence[Path], where: Path, whole_file: bool = False) -> lis
             groups[key].append(frame)
     found = [volume for number, frames in enumerate(groups.values()) for volume in _divide(frames, number, len(groups))]
     if not found:
-        raise FileError(f"{where}: {'is no picture' if whole_file else 'the folder has no DICOM series'}")
+        pictures = sum(path.suffix.lower() in _PICTURES for path in files)
+        other = f", but {pictures} pictures, which tell no length: save them as one TIFF file" if pictures else ""
+        raise FileError(f"{where}: {'is no picture' if whole_file else 'the folder has no DICOM series' + other}")
     return found
 
 

@@ -84,6 +84,12 @@ def folder_of(path: Path, voxels: np.ndarray) -> None:
         enhanced(path / f"t{number}.dcm", voxels)
 
 
+def pictures_in(path: Path, voxels: np.ndarray) -> None:
+    path.mkdir()
+    for number, plane in enumerate(voxels[:3]):
+        sitk.WriteImage(sitk.GetImageFromArray(plane), str(path / f"{number}.png"))
+
+
 def in_db(voxels: np.ndarray, outside: float) -> np.ndarray:
     return np.where(voxels > 0, voxels / 4.0 - 60.0, outside).astype("<f4")
 
@@ -140,6 +146,7 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
                              'space units: "ft" "ft" "ft"'), 3, "its lengths are in 'ft'"),
     "lost.dcm": (lambda path, v: enhanced(path, v, times=2, missing=5), 3, "which of them make up a volume is not"),
     "gap.dcm": (lambda path, v: enhanced(path, v, missing=5), 3, "slices are missing or not evenly spaced"),
+    "slices": (pictures_in, 3, "no DICOM series, but 3 pictures, which tell no length"),
 }  # fmt: skip
 
 

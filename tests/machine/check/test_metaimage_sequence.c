@@ -276,7 +276,7 @@ static void other_formats_are_named(void **state) {
     const uint8_t big[4] = {0, 0, 1, 0x5c};
     files_write("a.mha", NULL, "NRRD0005\n# Complete", 19);
     files_refused("a.mha",
-                  "is an NRRD file; host_sim reads MetaImage (.mha, .mhd): open it in 3D Slicer and save it");
+                  "is an NRRD file; host_sim reads MetaImage (.mha, .mhd): 'smartvis clip' of the Python");
     files_write("b.mha", NULL, nifti, sizeof nifti);
     files_refused("b.mha", "is a NIfTI file");
     memcpy(nifti, big, 4);
@@ -285,7 +285,7 @@ static void other_formats_are_named(void **state) {
     files_write("b.mha", NULL, nifti2, sizeof nifti2);
     files_refused("b.mha", "is a NIfTI file");
     files_write("c.mha", NULL, dicom, sizeof dicom);
-    files_refused("c.mha", "is a DICOM file; host_sim reads MetaImage (.mha, .mhd): load its series");
+    files_refused("c.mha", "is a DICOM file; host_sim reads MetaImage (.mha, .mhd): 'smartvis clip' of the");
     files_write("c.mha", NULL, bare, sizeof bare);
     files_refused("c.mha", "is a DICOM file");
     files_write("d.hdr", NULL, analyze, sizeof analyze);

@@ -111,7 +111,7 @@ holds [ -z "$(find "$work" -name '*.tmp*')" ]
 
 # ------------------------------------------------------------------------------------------ other formats
 printf 'NRRD0004\n# x\n' > a.mha
-expect 3 "a.mha: is an NRRD file; host_sim reads MetaImage (.mha, .mhd): open it in 3D Slicer" info a.mha
+expect 3 "a.mha: is an NRRD file; host_sim reads MetaImage (.mha, .mhd): 'smartvis clip' of the Python package reads it" info a.mha
 printf 'NDims = 3\nDimSize = 24 24 24\nKinds = domain domain list\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n' > b.mha
 head -c 13824 /dev/zero | tr '\0' '\310' >> b.mha
 expect 3 "b.mha:3: Kinds: this is a sequence of pictures" "${run[@]}" --volume b.mha

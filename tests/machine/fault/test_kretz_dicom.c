@@ -228,7 +228,7 @@ static void other_syntaxes_are_refused(void **state) {
 static void one_volume_is_expected(void **state) {
     const kretz_plan plan = kretz_good();
     dicom d = dicom_begin(EXPLICIT);
-    refused(&d, "a DICOM file, but no element of group 7FE1 begins with 'KRETZFILE 1.0'; export");
+    refused(&d, "a DICOM file, but no element of group 7FE1 begins with 'KRETZFILE 1.0': 'smartvis clip'");
     put_kretz(&d, 0x7FE01101, &plan); /* not that group */
     refused(&d, "no element of group 7FE1");
     d = dicom_good(EXPLICIT);

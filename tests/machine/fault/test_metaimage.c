@@ -205,7 +205,14 @@ static void what_is_no_metaimage_is_refused(void **state) {
     static const uint8_t png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n',
                                   0,    0,   0,   13,  'I',  'H',  'D',  'R'};
     files_write("a.png", NULL, png, sizeof png);
-    files_refused("a.png", ":1: expected 'Field = value'");
+    files_refused("a.png",
+                  "is a picture; host_sim reads MetaImage (.mha, .mhd): one file has all slices of a volume");
+    files_write("a.tif", NULL, "II*\0\10\0\0\0", 8);
+    files_refused("a.tif",
+                  "is a TIFF file; host_sim reads MetaImage (.mha, .mhd): 'smartvis clip' of the Python");
+    files_write("a.mha", NULL, "\0\0\1\0", 4);
+    files_refused("a.mha", ":1: holds a zero byte");
+    files_refused(".", "is a folder; 'smartvis clip' of the Python package reads one with a DICOM series");
     files_write("zero.mha", "NDims = 3\n", "\0\0\0\0", 4);
     files_refused("zero.mha", ":2: holds a zero byte");
     enum { MAX_HEADER = 1 << 24 }; /* bytes that a header may have */
