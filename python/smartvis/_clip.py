@@ -18,18 +18,19 @@ from . import _abi, _images
 from ._clipper import Clipper, _checked_probe, _checked_spacing
 from ._plugin import Plugin, load
 from ._result import Result
-from ._seen import SIDES, Levels
+from ._seen import SIDES, Levels, look_bytes
 from ._view import on_grid, rotation_of
 from ._volume import checked_window, what_was_scanned
 
 
 class ClipperCache:
     """Clippers by format and fixed parameters; the one that was not used for longest goes first. For many
-    volumes of few formats. Any thread: calls are one after the other."""
+    volumes of few formats. Any thread: calls are one after the other. `admit` is told bytes before they are taken, and
+    may raise: those of a look (0 needed), and with them later those that the plugin's instance needs."""
 
-    def __init__(self, most: int = 2, admit: Callable[[int], None] | None = None) -> None:
+    def __init__(self, most: int = 2, admit: Callable[[int, int], None] = lambda look, needed: None) -> None:
         self._most = most
-        self._admit = admit
+        self.admit = admit
         self._lock = threading.Lock()
         self._clippers: OrderedDict[Any, Clipper] = OrderedDict()
 
@@ -49,6 +50,7 @@ class ClipperCache:
         known = plugin.parameters
         fixed = {k: v for k, v in parameters.items() if k in known and known[k].fixed}
         key = (plugin.path, plugin.id, volume.shape, spacing, scanned is not None, tuple(sorted(fixed.items())))
+        look = look_bytes(volume.shape)
         with self._lock:
             clipper = self._clippers.pop(key, None)
             if clipper is None:
@@ -62,7 +64,7 @@ class ClipperCache:
                     scanned=scanned is not None,
                     padding=padding,
                     plugin=plugin,
-                    admit=self._admit,
+                    admit=lambda needed: self.admit(look, needed),
                     **fixed_values,
                 )
             self._clippers[key] = clipper
@@ -161,13 +163,15 @@ def clip(
     turned = None if view is None or (isinstance(view, str) and view == "probe") else rotation_of(view, directions)
     grid = levels.plan(turned, lowres)
     camera = on_grid(volume.shape, mm or (1.0, 1.0, 1.0), grid)
+    cache = cache or _cache
+    cache.admit(look_bytes(grid.shape), 0)
     seen, ranges = levels.look(grid)
     given_probe = probe is not None and side is None
     told = camera.rotation @ _checked_probe(probe) if given_probe else grid.probe
     beams = None if given_probe else grid.beams
     takes = bool(plugin.features & _abi.SV_FEATURE_SCANNED)
     known = None if mm is None else camera.spacing
-    result = (cache or _cache).run(seen, known, ranges if takes else None, plugin, parameters, probe=told, beams=beams)
+    result = cache.run(seen, known, ranges if takes else None, plugin, parameters, probe=told, beams=beams)
     if levels.doubt:  # of a size that no scan has nothing else is the reason
         why = levels.doubt if mm is not None and not result.clips else result.why
         result = replace(result, why=why, doubt=levels.doubt)

@@ -171,6 +171,12 @@ class Levels:
         return voxels, ranges
 
 
+def look_bytes(shape: Sequence[int]) -> int:
+    """Of a grid's voxels, and of ranges and maps with their copies, 32 a ray."""
+    slices, height, width = shape
+    return (slices + 32) * height * width
+
+
 def words_of(report: Any) -> str:
     """A plugin's reason in words for who holds the probe; "" if it has none."""
     out = ctypes.create_string_buffer(320)

@@ -61,11 +61,15 @@ class Camera:
         bit."""
         matrix, offset = self.from_volume()
         out = np.empty(self.source_shape, bool)
-        y, x = np.mgrid[: self.source_shape[1], : self.source_shape[2]]
-        for z in range(self.source_shape[0]):
-            at = [offset[k] + y * matrix[k, 1] + z * matrix[k, 2] + x * matrix[k, 0] for k in range(3)]
-            found = between(depth, at[0], at[1])
-            out[z] = (found <= 0) | (at[2] >= found)
+        slices, height, width = self.source_shape
+        values = depth.astype(np.float64)
+        rows = _PIECE // width + 1
+        for top in range(0, height, rows):
+            y, x = np.mgrid[top : min(top + rows, height), :width]
+            for z in range(slices):
+                at = [offset[k] + y * matrix[k, 1] + z * matrix[k, 2] + x * matrix[k, 0] for k in range(3)]
+                found = between(values, at[0], at[1])
+                out[z, top : top + rows] = (found <= 0) | (at[2] >= found)
         return out
 
     def from_volume(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -88,19 +92,20 @@ def _middle(shape: Shape) -> NDArray[np.float64]:
     return np.asarray((np.array(shape[::-1], float) - 1.0) / 2.0)
 
 
-def between(depth: NDArray[np.float32], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+def between(depth: NDArray[Any], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
     """The map at any place, bilinear, as the renderer reads it; beyond its edge it continues."""
     height, width = depth.shape
     x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
     left, top = x.astype(int), y.astype(int)
     right, bottom = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
     across, down = x - left, y - top
-    values = depth.astype(np.float64)
+    values = np.asarray(depth, np.float64)
     above = values[top, left] + across * (values[top, right] - values[top, left])
     below = values[bottom, left] + across * (values[bottom, right] - values[bottom, left])
     return np.asarray(above + down * (below - above))
 
 
+_PIECE = 1 << 15  # voxels whose places are computed at a time: of each a score of numbers
 _MOST = 1024  # pixels across a map, for the host
 _WIDEST = 2048  # voxels across, seen along any view
 

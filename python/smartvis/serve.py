@@ -34,7 +34,8 @@ from ._work import Settings
 
 log = logging.getLogger("smartvis.serve")
 
-_COPIES = 9  # of a message: as it came, by type and view, clipped, and packed with its header
+_COPIES = 12  # of a message: as it came, as numbers (8 bytes of a voxel's one), levels, clipped, packed with its header
+_LOOKS = 3  # of what a look takes, while the machine looks: its grid, as it is filled and as it is handed over
 _LONGEST_NAME = 12  # "_clipped" follows, and a device name has 20 characters
 
 
@@ -137,7 +138,7 @@ class Session:
     def __init__(self, settings: Settings, budget: Budget) -> None:
         self._settings = settings
         self._plugin: Plugin = settings.load()
-        self._cache = ClipperCache(most=1, admit=self._activates)
+        self._cache = ClipperCache(most=1, admit=self._admits)
         self._budget = budget
         self._message = self._activated = 0  # bytes
 
@@ -156,10 +157,13 @@ class Session:
         self._message = 0
         self._budget.hold(self, self._activated)
 
-    def _activates(self, needed: int) -> None:
+    def _admits(self, look: int, needed: int) -> None:
+        if needed == 0:
+            self._budget.hold(self, _COPIES * self._message + _LOOKS * look + self._activated)
+            return
         self._activated = 0  # there is one instance, and the one before has ended
-        self._budget.hold(self, _COPIES * self._message + needed)
-        self._activated = needed
+        self._budget.hold(self, _COPIES * self._message + look + needed)
+        self._activated = look + needed  # it keeps the volume that it saw last
 
     def answer_next(self, channel: Channel) -> list[Any]:
         """The messages that answer the next one."""
