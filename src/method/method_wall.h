@@ -74,7 +74,6 @@ typedef enum {
 typedef struct {
     int kernel, takes;
     sv_wall_over over;
-    sv_stage stage;
     int buffers[10]; /* up to -1 */
     sv_wall_when when;
 } sv_wall_launch;
@@ -86,7 +85,9 @@ typedef struct {
     sv_status (*gather)(const sv_map *map, sv_method_state *state, const sv_wall_grid *grid);
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
     uint32_t count, first_at_q;     /* their number; the first one that depends on q */
-    uint32_t gathered, verdict;     /* those between are launched for the beams, too, with the latter */
+    uint32_t
+        reconstructs; /* the first one of SV_STAGE_RECONSTRUCT; before it all are of SV_STAGE_THRESHOLD */
+    uint32_t gathered, verdict; /* those between are launched for the beams, too, with the latter */
 } sv_wall_work;
 
 /* The method's own: the layouts of an activation, with what the frame says of them, and their words of

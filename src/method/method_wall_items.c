@@ -4,68 +4,43 @@
 #include "kernels_wall_items.h"
 #include "method/method.h"
 
-enum {
-    K_RANGE,
-    K_DOWNSAMPLE,
-    K_BLOCKS,
-    K_GATHER,
-    K_SMOOTH,
-    K_DILATE_ROWS,
-    K_LEVELS,
-    K_DILATE_COLUMNS,
-    K_BRIGHT,
-    K_BRIGHT_ROWS,
-    K_RELATIVE,
-    K_NEAR_FIELD,
-    K_FIRST_RUNS,
-    K_EVIDENCE,
-    K_SURROUNDINGS,
-    K_COSTS,
-    K_CELLS,
-    K_DECIDE,
-    K_BLUR_Y,
-    K_BLUR_X,
-    K_MINIMUM,
-    K_MEDIAN,
-    K_GAPS,
-    K_VERDICT,
-    K_CONFIDENCE,
-    K_ERODE,
-    K_OPEN,
-    K_KNOB,
-    K_UPSAMPLE
-};
-const char *const sv_wall_items_kernels[] = {"wall_items_range",
-                                             "wall_items_downsample",
-                                             "wall_items_blocks",
-                                             "wall_items_gather",
-                                             "wall_items_smooth",
-                                             "wall_items_dilate_rows",
-                                             "wall_levels",
-                                             "wall_items_dilate_columns",
-                                             "wall_items_bright",
-                                             "wall_items_bright_rows",
-                                             "wall_items_relative",
-                                             "wall_items_near_field",
-                                             "wall_items_first_runs",
-                                             "wall_evidence",
-                                             "wall_items_surroundings",
-                                             "wall_items_costs",
-                                             "wall_items_cells",
-                                             "wall_decide",
-                                             "wall_items_blur_y",
-                                             "wall_items_blur_x",
-                                             "wall_items_minimum",
-                                             "wall_items_median",
-                                             "wall_items_gaps",
-                                             "wall_verdict",
-                                             "wall_items_confidence",
-                                             "wall_items_erode",
-                                             "wall_items_open",
-                                             "wall_items_knob",
-                                             "wall_items_upsample",
-                                             NULL};
-_Static_assert(K_UPSAMPLE < SV_MAX_METHOD_KERNELS, "every kernel has a place");
+/* clang-format off */
+#define KERNELS(KERNEL) \
+    KERNEL(RANGE, "wall_items_range") \
+    KERNEL(DOWNSAMPLE, "wall_items_downsample") \
+    KERNEL(BLOCKS, "wall_items_blocks") \
+    KERNEL(GATHER, "wall_items_gather") \
+    KERNEL(SMOOTH, "wall_items_smooth") \
+    KERNEL(DILATE_ROWS, "wall_items_dilate_rows") \
+    KERNEL(LEVELS, "wall_levels") \
+    KERNEL(DILATE_COLUMNS, "wall_items_dilate_columns") \
+    KERNEL(BRIGHT, "wall_items_bright") \
+    KERNEL(BRIGHT_ROWS, "wall_items_bright_rows") \
+    KERNEL(RELATIVE, "wall_items_relative") \
+    KERNEL(NEAR_FIELD, "wall_items_near_field") \
+    KERNEL(FIRST_RUNS, "wall_items_first_runs") \
+    KERNEL(EVIDENCE, "wall_evidence") \
+    KERNEL(SURROUNDINGS, "wall_items_surroundings") \
+    KERNEL(COSTS, "wall_items_costs") \
+    KERNEL(CELLS, "wall_items_cells") \
+    KERNEL(DECIDE, "wall_decide") \
+    KERNEL(BLUR_Y, "wall_items_blur_y") \
+    KERNEL(BLUR_X, "wall_items_blur_x") \
+    KERNEL(MINIMUM, "wall_items_minimum") \
+    KERNEL(MEDIAN, "wall_items_median") \
+    KERNEL(GAPS, "wall_items_gaps") \
+    KERNEL(VERDICT, "wall_verdict") \
+    KERNEL(CONFIDENCE, "wall_items_confidence") \
+    KERNEL(ERODE, "wall_items_erode") \
+    KERNEL(OPEN, "wall_items_open") \
+    KERNEL(KNOB, "wall_items_knob") \
+    KERNEL(UPSAMPLE, "wall_items_upsample")
+/* clang-format on */
+#define PLACE(key, name) K_##key,
+#define NAME(key, name)  name,
+enum { KERNELS(PLACE) K_COUNT };
+const char *const sv_wall_items_kernels[] = {KERNELS(NAME) NULL};
+_Static_assert(K_COUNT <= SV_MAX_METHOD_KERNELS, "every kernel has a place");
 
 sv_source sv_wall_items_source(void) {
     return (sv_source){sv_kernels_wall_items, sv_kernels_wall_items_size};
@@ -122,116 +97,84 @@ static const sv_wall_launch launches[] = {
     {.kernel = K_BLOCKS,
      .takes = SV_WALL_BOUNDS,
      .over = SV_WALL_GROUPS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_SPANS, SV_WALL_RANGES, SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_HISTOGRAMS, -1}},
     {.kernel = K_SMOOTH,
      .over = SV_WALL_GROUPS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_SMOOTHED, SV_WALL_HISTOGRAMS, -1},
      .when = SV_WALL_IF_SMOOTHED},
-    {.kernel = K_DILATE_ROWS,
-     .over = SV_WALL_EACH_CELL,
-     .stage = SV_STAGE_THRESHOLD,
-     .buffers = {SV_WALL_LEVELS, SV_WALL_ROW_MAXIMA, -1}},
+    {.kernel = K_DILATE_ROWS, .over = SV_WALL_EACH_CELL, .buffers = {SV_WALL_LEVELS, SV_WALL_ROW_MAXIMA, -1}},
     {.kernel = K_LEVELS,
      .over = SV_WALL_ONE_GROUP,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
     {.kernel = K_DILATE_COLUMNS,
      .over = SV_WALL_EACH_CELL,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_ROW_MAXIMA, SV_WALL_BRIGHT, -1}},
     {.kernel = K_BRIGHT,
      .over = SV_WALL_EACH_CELL,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_WINDOWS, -1}},
     {.kernel = K_BRIGHT_ROWS,
      .over = SV_WALL_EACH_CELL,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_WINDOWS, SV_WALL_WINDOW_SUMS, -1}},
     {.kernel = K_RELATIVE,
      .over = SV_WALL_EACH_CELL,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_WINDOW_SUMS, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, -1}},
     {.kernel = K_NEAR_FIELD,
      .over = SV_WALL_GROUPS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_FRONTS, -1}},
     {.kernel = K_FIRST_RUNS,
      .over = SV_WALL_GROUPS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_HISTOGRAMS,
                  SV_WALL_FRONTS, -1}},
     {.kernel = K_EVIDENCE,
      .over = SV_WALL_ONE_GROUP,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
     {.kernel = K_SURROUNDINGS,
      .over = SV_WALL_EACH_LAYER,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_KINDS, -1}},
     {.kernel = K_COSTS,
      .over = SV_WALL_EACH_RAY,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_KINDS, SV_WALL_RAYS, SV_WALL_SCRATCH,
                  -1}},
     {.kernel = K_CELLS,
      .over = SV_WALL_GROUPS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, SV_WALL_COSTS, SV_WALL_FETUS, -1}},
-    {.kernel = K_DECIDE,
-     .over = SV_WALL_ONCE,
-     .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_FETUS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
+    {.kernel = K_DECIDE, .over = SV_WALL_ONCE, .buffers = {SV_WALL_FETUS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {.kernel = K_BLUR_Y,
      .over = SV_WALL_EACH_CELL,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_COSTS, SV_WALL_SCRATCH, -1}},
     {.kernel = K_BLUR_X,
      .over = SV_WALL_EACH_CELL,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, SV_WALL_FINE, -1}},
     {.kernel = K_MINIMUM,
      .over = SV_WALL_EACH_RAY,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_FINE, SV_WALL_PLACES, -1}},
-    {.kernel = K_MEDIAN,
-     .over = SV_WALL_EACH_RAY,
-     .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1}},
+    {.kernel = K_MEDIAN, .over = SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1}},
     {.kernel = K_GAPS,
      .over = SV_WALL_GROUPS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, SV_WALL_GAPS,
                  -1},
      .when = SV_WALL_UNLESS_TOLD},
     {.kernel = K_VERDICT,
      .takes = SV_WALL_RECORD,
      .over = SV_WALL_ONCE,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_GAPS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {.kernel = K_CONFIDENCE,
      .over = SV_WALL_EACH_RAY,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_PLACES, -1}},
     {.kernel = K_ERODE,
      .over = SV_WALL_EACH_RAY,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RAYS, SV_WALL_PLACES, -1},
      .when = SV_WALL_IF_DOUBTFUL_CLIPS},
     {.kernel = K_OPEN,
      .over = SV_WALL_EACH_RAY,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1},
      .when = SV_WALL_IF_DOUBTFUL_CLIPS},
     {.kernel = K_KNOB,
      .over = SV_WALL_EACH_RAY,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, -1}},
     {.kernel = K_UPSAMPLE,
      .takes = SV_WALL_DEPTH,
      .over = SV_WALL_EACH_PIXEL,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_PLACES, SV_WALL_CONFIDENCE, -1}},
 };
 enum { COUNT = sizeof launches / sizeof *launches };
@@ -241,6 +184,7 @@ const sv_wall_work sv_wall_items = {.kernels = sv_wall_items_kernels,
                                     .gather = gather,
                                     .launches = launches,
                                     .count = COUNT,
+                                    .reconstructs = 12,
                                     .first_at_q = COUNT - 2,
                                     .gathered = 2,
                                     .verdict = 20};

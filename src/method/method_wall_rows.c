@@ -4,53 +4,35 @@
 #include "kernels_wall.h"
 #include "method/method.h"
 
-enum {
-    K_DOWNSAMPLE,
-    K_BLOCKS,
-    K_GATHER,
-    K_SMOOTH,
-    K_LEVELS,
-    K_BRIGHT,
-    K_RELATIVE,
-    K_FIRST_RUNS,
-    K_EVIDENCE,
-    K_SURROUNDINGS,
-    K_COSTS,
-    K_DECIDE,
-    K_BLUR,
-    K_MINIMUM,
-    K_MEDIAN,
-    K_GAPS,
-    K_VERDICT,
-    K_CONFIDENCE,
-    K_ERODE,
-    K_OPEN,
-    K_KNOB,
-    K_UPSAMPLE
-};
-const char *const sv_wall_rows_kernels[] = {"wall_downsample",
-                                            "wall_blocks",
-                                            "wall_gather",
-                                            "wall_smooth",
-                                            "wall_levels",
-                                            "wall_bright",
-                                            "wall_relative",
-                                            "wall_first_runs",
-                                            "wall_evidence",
-                                            "wall_surroundings",
-                                            "wall_costs",
-                                            "wall_decide",
-                                            "wall_blur",
-                                            "wall_minimum",
-                                            "wall_median",
-                                            "wall_gaps",
-                                            "wall_verdict",
-                                            "wall_confidence",
-                                            "wall_erode",
-                                            "wall_open",
-                                            "wall_knob",
-                                            "wall_upsample",
-                                            NULL};
+/* clang-format off */
+#define KERNELS(KERNEL) \
+    KERNEL(DOWNSAMPLE, "wall_downsample") \
+    KERNEL(BLOCKS, "wall_blocks") \
+    KERNEL(GATHER, "wall_gather") \
+    KERNEL(SMOOTH, "wall_smooth") \
+    KERNEL(LEVELS, "wall_levels") \
+    KERNEL(BRIGHT, "wall_bright") \
+    KERNEL(RELATIVE, "wall_relative") \
+    KERNEL(FIRST_RUNS, "wall_first_runs") \
+    KERNEL(EVIDENCE, "wall_evidence") \
+    KERNEL(SURROUNDINGS, "wall_surroundings") \
+    KERNEL(COSTS, "wall_costs") \
+    KERNEL(DECIDE, "wall_decide") \
+    KERNEL(BLUR, "wall_blur") \
+    KERNEL(MINIMUM, "wall_minimum") \
+    KERNEL(MEDIAN, "wall_median") \
+    KERNEL(GAPS, "wall_gaps") \
+    KERNEL(VERDICT, "wall_verdict") \
+    KERNEL(CONFIDENCE, "wall_confidence") \
+    KERNEL(ERODE, "wall_erode") \
+    KERNEL(OPEN, "wall_open") \
+    KERNEL(KNOB, "wall_knob") \
+    KERNEL(UPSAMPLE, "wall_upsample")
+/* clang-format on */
+#define PLACE(key, name) K_##key,
+#define NAME(key, name)  name,
+enum { KERNELS(PLACE) K_COUNT };
+const char *const sv_wall_rows_kernels[] = {KERNELS(NAME) NULL};
 
 sv_source sv_wall_rows_source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
@@ -87,101 +69,77 @@ static const sv_wall_launch launches[] = {
     {.kernel = K_BLOCKS,
      .takes = SV_WALL_BOUNDS | SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_CELL_ROWS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_SPANS, SV_WALL_RANGES, SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_SCRATCH,
                  SV_WALL_ROW_MAXIMA, SV_WALL_HISTOGRAMS, -1}},
     {.kernel = K_SMOOTH,
      .over = SV_WALL_CELL_ROWS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_LEVELS, SV_WALL_RAYS, SV_WALL_SMOOTHED, SV_WALL_HISTOGRAMS, -1},
      .when = SV_WALL_IF_SMOOTHED},
     {.kernel = K_LEVELS,
      .over = SV_WALL_ONCE,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
     {.kernel = K_BRIGHT,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_CELL_ROWS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RAYS, SV_WALL_SCRATCH, SV_WALL_WINDOWS, -1}},
     {.kernel = K_RELATIVE,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_CELL_ROWS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_WINDOWS, SV_WALL_SMOOTHED, SV_WALL_RAYS, SV_WALL_SCRATCH,
                  SV_WALL_RELATIVE, SV_WALL_FRONTS, -1}},
     {.kernel = K_FIRST_RUNS,
      .over = SV_WALL_CELL_ROWS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_ROW_MAXIMA, SV_WALL_BRIGHT, SV_WALL_RAYS,
                  SV_WALL_HISTOGRAMS, SV_WALL_KINDS, SV_WALL_FRONTS, -1}},
     {.kernel = K_EVIDENCE,
      .over = SV_WALL_ONCE,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
     {.kernel = K_SURROUNDINGS,
      .over = SV_WALL_WORDS,
-     .stage = SV_STAGE_THRESHOLD,
      .buffers = {SV_WALL_INFO, SV_WALL_BRIGHT, SV_WALL_KINDS, -1}},
     {.kernel = K_COSTS,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_CELL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_KINDS, SV_WALL_RAYS, SV_WALL_SCRATCH,
                  SV_WALL_COSTS, SV_WALL_FETUS, -1}},
-    {.kernel = K_DECIDE,
-     .over = SV_WALL_ONCE,
-     .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_FETUS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
+    {.kernel = K_DECIDE, .over = SV_WALL_ONCE, .buffers = {SV_WALL_FETUS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {.kernel = K_BLUR,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_CELL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_COSTS, SV_WALL_SCRATCH, SV_WALL_FINE, -1}},
     {.kernel = K_MINIMUM,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_FINE, SV_WALL_SCRATCH, SV_WALL_PLACES, -1}},
-    {.kernel = K_MEDIAN,
-     .over = SV_WALL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
-     .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1}},
+    {.kernel = K_MEDIAN, .over = SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1}},
     {.kernel = K_GAPS,
      .over = SV_WALL_CELL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, SV_WALL_GAPS,
                  -1},
      .when = SV_WALL_UNLESS_TOLD},
     {.kernel = K_VERDICT,
      .takes = SV_WALL_RECORD,
      .over = SV_WALL_ONCE,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_GAPS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {.kernel = K_CONFIDENCE,
      .over = SV_WALL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_PLACES, -1}},
     {.kernel = K_ERODE,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RAYS, SV_WALL_SCRATCH, SV_WALL_PLACES, -1},
      .when = SV_WALL_IF_DOUBTFUL_CLIPS},
     {.kernel = K_OPEN,
      .takes = SV_WALL_SCRATCH_WORDS,
      .over = SV_WALL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, SV_WALL_PLACES, -1},
      .when = SV_WALL_IF_DOUBTFUL_CLIPS},
     {.kernel = K_KNOB,
      .over = SV_WALL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, -1}},
     {.kernel = K_UPSAMPLE,
      .takes = SV_WALL_DEPTH,
      .over = SV_WALL_PIXEL_ROWS,
-     .stage = SV_STAGE_RECONSTRUCT,
      .buffers = {SV_WALL_INFO, SV_WALL_PLACES, SV_WALL_CONFIDENCE, -1}},
 };
 enum { COUNT = sizeof launches / sizeof *launches };
@@ -191,6 +149,7 @@ const sv_wall_work sv_wall_rows = {.kernels = sv_wall_rows_kernels,
                                    .gather = gather,
                                    .launches = launches,
                                    .count = COUNT,
+                                   .reconstructs = 8,
                                    .first_at_q = COUNT - 2,
                                    .gathered = 2,
                                    .verdict = 14};

@@ -79,7 +79,8 @@ sv_status sv_wall_launch_all(const sv_map *m, sv_method_state *s, const sv_wall_
         if (w->takes & SV_WALL_RECORD) sv_launch_buffer(&l, m->record);
         if (w->takes & SV_WALL_DEPTH) sv_launch_arg(&l, sizeof to->first, &to->first);
         if (w->takes & SV_WALL_DEPTH) sv_launch_buffer(&l, to->buffer);
-        status = launch_over(&l, w->over, layout, w->stage);
+        status = launch_over(&l, w->over, layout,
+                             i < work->reconstructs ? SV_STAGE_THRESHOLD : SV_STAGE_RECONSTRUCT);
     }
     return status;
 }
