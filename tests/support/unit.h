@@ -13,4 +13,12 @@
 
 #include <cmocka.h>
 
+/* The program: these tests, between the group's set-up and tear-down (NULL: none). Its file's name is that of
+ * the group. */
+#define UNIT_MAIN(set_up, tear_down, ...)                                                                    \
+    int main(void) {                                                                                         \
+        const struct CMUnitTest tests[] = {__VA_ARGS__};                                                     \
+        return cmocka_run_group_tests_name(__FILE__, tests, set_up, tear_down);                              \
+    }
+
 #endif

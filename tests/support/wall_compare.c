@@ -2,14 +2,9 @@
 #include "support/wall_compare.h"
 
 #include "support/surfaces.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 /* Few, because the definitions take most of the time, and one more position runs no other code. */
 static const double places[WALL_PLACES] = {0.5, 0.0, 0.5, 1.5};

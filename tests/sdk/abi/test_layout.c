@@ -8,18 +8,13 @@
 
 #include "smartvis_plugin.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 _Static_assert(sizeof(sv_status) == 4 && (sv_status)-1 < 0, "a status is a signed 32-bit number");
 _Static_assert(SV_BIT(SV_CARRIER_IMAGE) == 8, "the bit of a number");
 
 /* The tags are OpenCL's own types: no cast either way, or this does not compile. */
 static void test_handles_are_opencl_types(void **state) {
-    (void)state;
     sv_format format = {0};
     sv_slab slab = {0};
     sv_result result = {0};
@@ -32,7 +27,6 @@ static void test_handles_are_opencl_types(void **state) {
 
 /* SV_HAS is true from the very byte on at which the field is whole. */
 static void test_has_field(void **state) {
-    (void)state;
     sv_stats stats = {0};
     const uint32_t end = (uint32_t)(offsetof(sv_stats, points) + sizeof(stats.points));
     for (uint32_t size = 0; size <= sizeof(stats); size++) {
@@ -43,10 +37,4 @@ static void test_has_field(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_handles_are_opencl_types),
-        cmocka_unit_test(test_has_field),
-    };
-    return cmocka_run_group_tests_name("layout", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_handles_are_opencl_types), cmocka_unit_test(test_has_field))

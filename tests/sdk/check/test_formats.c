@@ -4,13 +4,7 @@
  * and the way the work is laid out. Every frame is compared with the scalar definition.
  */
 #include "support/compare.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 static uint32_t next_random(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
@@ -214,10 +208,5 @@ static void sums_of_64_bits(void **state) {
     compare_print("sums of 64 bits", &all);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        RIG_TEST(every_kernel), RIG_TEST(sizes),      RIG_TEST(carriers_and_tiles),
-        RIG_TEST(any_split),    RIG_TEST(long_slabs), RIG_TEST(sums_of_64_bits),
-    };
-    return cmocka_run_group_tests_name("formats", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(every_kernel), RIG_TEST(sizes), RIG_TEST(carriers_and_tiles),
+          RIG_TEST(any_split), RIG_TEST(long_slabs), RIG_TEST(sums_of_64_bits))

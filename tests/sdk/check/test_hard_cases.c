@@ -4,15 +4,9 @@
  * and must give the definition's result or a clear status: never NaN, a hang or a crash.
  */
 #include "support/compare.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static rig_format plain(uint32_t width, uint32_t height, uint32_t slices) {
     return (rig_format){.width = width, .height = height, .slices = slices, .padding = SV_NO_PADDING};
@@ -242,10 +236,6 @@ static void many_passes(void **state) {
     assert_int_equal(all.max_passes, WIDTH - 3);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        RIG_TEST(one_value_everywhere), RIG_TEST(no_surface_after_a_surface), RIG_TEST(hard_maps),
-        RIG_TEST(longest_volume),       RIG_TEST(float_sums_would_drift),     RIG_TEST(many_passes),
-    };
-    return cmocka_run_group_tests_name("hard cases", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(one_value_everywhere), RIG_TEST(no_surface_after_a_surface),
+          RIG_TEST(hard_maps), RIG_TEST(longest_volume), RIG_TEST(float_sums_would_drift),
+          RIG_TEST(many_passes))

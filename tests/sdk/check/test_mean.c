@@ -4,15 +4,9 @@
  * worked out in the comments, not by src/ref/. Every map goes through each of the three work layouts.
  */
 #include "support/rig.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 enum { NONE = -1, MAX_PIXELS = 32 * 32, SLICES = 40 };
 static const double ROUNDING =
@@ -246,16 +240,5 @@ static void both_ends(void **state) {
     free(m);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        RIG_TEST(figure_3_11),
-        RIG_TEST(lines),
-        RIG_TEST(borders),
-        RIG_TEST(one_point),
-        RIG_TEST(window_larger_than_image),
-        RIG_TEST(weight_zero),
-        RIG_TEST(knob),
-        RIG_TEST(both_ends),
-    };
-    return cmocka_run_group_tests_name("mean filter by hand", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(figure_3_11), RIG_TEST(lines), RIG_TEST(borders), RIG_TEST(one_point),
+          RIG_TEST(window_larger_than_image), RIG_TEST(weight_zero), RIG_TEST(knob), RIG_TEST(both_ends))

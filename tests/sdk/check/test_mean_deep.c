@@ -6,18 +6,13 @@
  * (cl/mean/mean_maps.cl); this test drives the kernels from there on, as src/method/method_mean.c does.
  */
 #include "support/surfaces.h"
+#include "support/unit.h"
 
 #include "common/sv_shared.h"
 #include "mean/mean_shared.h"
 #include "ref/ref_mean.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { SIDE = 512, PIXELS = SIDE * SIDE, SLICES = 10064, K = 3, BANDS = 4 };
 static const double PROMISE = 1e-3;
@@ -182,7 +177,4 @@ static void deep_patches(void **state) {
     surface_points_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {RIG_TEST(deep_scattered), RIG_TEST(deep_patches)};
-    return cmocka_run_group_tests_name("mean filter, depths of 10^4", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(deep_scattered), RIG_TEST(deep_patches))

@@ -6,14 +6,9 @@
  */
 #include "support/compare.h"
 #include "support/surfaces.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { INT16 = 2 };
 
@@ -82,7 +77,6 @@ static void test_largest(void **state) {
 
 /* The format: 16 bits hold weight * depth, and one bit more would not. */
 static void test_format(void **state) {
-    (void)state;
     for (uint32_t slices = 1; slices <= 8192; slices++)
         for (uint32_t weight = 1; weight <= 4; weight++) {
             const sv_fixed format = sv_half_format(slices, weight);
@@ -117,12 +111,5 @@ static void test_error(void **state) {
         }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        RIG_TEST(test_volumes),
-        RIG_TEST(test_largest),
-        cmocka_unit_test(test_format),
-        RIG_TEST(test_error),
-    };
-    return cmocka_run_group_tests_name("mean filter, 16-bit planes", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(test_volumes), RIG_TEST(test_largest), cmocka_unit_test(test_format),
+          RIG_TEST(test_error))

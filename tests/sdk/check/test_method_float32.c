@@ -4,14 +4,9 @@
  * points. What is left of its accuracy, against the same definition.
  */
 #include "support/surfaces.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 
 static void check(rig *r, const surface_points *p, const surface_chain *chain, double bound,
                   const char *what) {
@@ -83,11 +78,5 @@ static void test_patches(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_scattered),
-        cmocka_unit_test(test_degenerate),
-        cmocka_unit_test(test_patches),
-    };
-    return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
-}
+UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_scattered), cmocka_unit_test(test_degenerate),
+          cmocka_unit_test(test_patches))

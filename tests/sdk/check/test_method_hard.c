@@ -5,15 +5,9 @@
  * never a NaN, a hang or a crash.
  */
 #include "support/surfaces.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 /* One case: what it attacks, and how it lays its points. */
 typedef struct {
@@ -210,11 +204,5 @@ static void test_volumes(void **state) {
                 }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_method), cmocka_unit_test(test_volumes),
-        cmocka_unit_test(test_spline_ways),  cmocka_unit_test(test_reduced),
-        cmocka_unit_test(test_half),
-    };
-    return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
-}
+UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_every_method), cmocka_unit_test(test_volumes),
+          cmocka_unit_test(test_spline_ways), cmocka_unit_test(test_reduced), cmocka_unit_test(test_half))

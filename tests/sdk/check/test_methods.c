@@ -2,15 +2,9 @@
 /* Every reconstruction method against its float64 definition, alone and behind the pre-filter; and the
  * knob. */
 #include "support/surfaces.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static uint32_t held[SV_METHOD_END]; /* chains of a method that were held to its definition */
 
@@ -195,7 +189,6 @@ static void test_values(void **state) {
 
 /* Comes last: no method of the list went through the tests above without being held to its definition. */
 static void test_nothing_is_left(void **state) {
-    (void)state;
     uint32_t methods = 0;
 #define IS_HELD(NAME, value, key)                                                                            \
     if (held[value] == 0) fail_msg("method %s was held to nothing", #key);                                   \
@@ -205,13 +198,7 @@ static void test_nothing_is_left(void **state) {
     assert_true(methods > 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values),    cmocka_unit_test(test_definition),
-        cmocka_unit_test(test_volumes),   cmocka_unit_test(test_negative_depths),
-        cmocka_unit_test(test_prefilter), cmocka_unit_test(test_settings),
-        cmocka_unit_test(test_patches),   cmocka_unit_test(test_deep),
-        cmocka_unit_test(test_adjust),    cmocka_unit_test(test_nothing_is_left),
-    };
-    return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
-}
+UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_values), cmocka_unit_test(test_definition),
+          cmocka_unit_test(test_volumes), cmocka_unit_test(test_negative_depths),
+          cmocka_unit_test(test_prefilter), cmocka_unit_test(test_settings), cmocka_unit_test(test_patches),
+          cmocka_unit_test(test_deep), cmocka_unit_test(test_adjust), cmocka_unit_test(test_nothing_is_left))

@@ -5,14 +5,7 @@
  * x 3 mean filter with fill weight 0 then leaves each depth as it is.
  */
 #include "support/rig.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 enum { SLICES = 12, SPACING = 4, FLUID = 40, BONE = 200, MAX_RAYS = 24 };
 
@@ -310,12 +303,5 @@ static void evidence_by_hand(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        RIG_TEST(rays_by_hand),
-        RIG_TEST(one_ray_by_hand),
-        RIG_TEST(thresholds_by_hand),
-        RIG_TEST(evidence_by_hand),
-    };
-    return cmocka_run_group_tests_name("ray profiles by hand", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(rays_by_hand), RIG_TEST(one_ray_by_hand), RIG_TEST(thresholds_by_hand),
+          RIG_TEST(evidence_by_hand))

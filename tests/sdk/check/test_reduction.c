@@ -5,19 +5,13 @@
  * one, on scattered points and on patches.
  */
 #include "support/surfaces.h"
+#include "support/unit.h"
 
 #include "ref/ref_mean.h"
 #include "ref/ref_minimum.h"
 #include "ref/ref_reduce.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 enum { SLICES = 60 };
 
@@ -162,7 +156,6 @@ static void check_reach(int method, int set, uint32_t reduction) {
 }
 
 static void test_reach(void **state) {
-    (void)state;
     for (int set = 0; set < 2; set++)
         for (int method = SV_METHOD_MEAN; method <= SV_METHOD_MINIMUM; method++)
             for (uint32_t reduction = 2; reduction <= 4; reduction++) check_reach(method, set, reduction);
@@ -180,7 +173,6 @@ static double layer(double x, double y) {
  * 1) / 2 slopes.
  */
 static void test_dense(void **state) {
-    (void)state;
     enum { SIDE = 48, PIXELS = SIDE * SIDE };
     const double bends = 10.0 / 144.0 + 10.0 / 81.0, slopes = 10.0 / 12.0 + 10.0 / 9.0;
     static uint8_t status[PIXELS];
@@ -219,7 +211,6 @@ static void test_dense(void **state) {
  * method's own.
  */
 static void test_given_up(void **state) {
-    (void)state;
     for (int set = 0; set < 2; set++) {
         surface_points p = make_set(set, 128, 96);
         const size_t count = (size_t)p.width * p.height;
@@ -255,11 +246,6 @@ static void test_given_up(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definition),     cmocka_unit_test(test_settings),
-        cmocka_unit_test(test_no_fill_weight), cmocka_unit_test(test_reach),
-        cmocka_unit_test(test_dense),          cmocka_unit_test(test_given_up),
-    };
-    return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
-}
+UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_definition), cmocka_unit_test(test_settings),
+          cmocka_unit_test(test_no_fill_weight), cmocka_unit_test(test_reach), cmocka_unit_test(test_dense),
+          cmocka_unit_test(test_given_up))

@@ -4,13 +4,7 @@
  * way of handing them over; ranges and padding value, the same where both are right; and what begin refuses.
  */
 #include "support/compare.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 /* Wider than a vector of 64 rays and no multiple; deeper than a chunk of 254 / substeps slices. */
 enum { WIDTH = 85, HEIGHT = 7, SLICES = 300, RAYS = WIDTH * HEIGHT };

@@ -4,14 +4,7 @@
  * windows, weights, thresholds on and between grey levels, the three ways to find T_B, the knob, and adjust.
  */
 #include "support/compare.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 enum { WIDTH = 45, HEIGHT = 38, SLICES = 20, RAYS = WIDTH * HEIGHT };
 
@@ -180,13 +173,5 @@ static void adjust_equals_a_new_frame(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        RIG_TEST(windows_and_weights),
-        RIG_TEST(fluid_thresholds),
-        RIG_TEST(bone_modes),
-        RIG_TEST(evidence),
-        RIG_TEST(adjust_equals_a_new_frame),
-    };
-    return cmocka_run_group_tests_name("settings", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(windows_and_weights), RIG_TEST(fluid_thresholds), RIG_TEST(bone_modes),
+          RIG_TEST(evidence), RIG_TEST(adjust_equals_a_new_frame))

@@ -5,18 +5,13 @@
  * collinear and nearly coincident points).
  */
 #include "support/surfaces.h"
+#include "support/unit.h"
 
 #include "ref/ref_spline.h"
 
 #include <lapacke.h>
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 
 static const double BOUND = 1e-3; /* slices, as docs/numerics.md says */
 
@@ -102,7 +97,6 @@ static void test_lapack(void **state) {
 
 /* The reference solver itself against LAPACK, and its condition estimate against LAPACK's. */
 static void test_reference_solver(void **state) {
-    (void)state;
     enum { N = 60 };
     static double a[N * N], lu[N * N], b[N], x[N], work[3 * N];
     static uint32_t pivots[N];
@@ -283,15 +277,7 @@ static void test_extension(void **state) {
     surface_points_free(&none);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lapack),
-        cmocka_unit_test(test_reference_solver),
-        cmocka_unit_test(test_degenerate),
-        cmocka_unit_test(test_too_many),
-        cmocka_unit_test(test_coarse_grid),
-        cmocka_unit_test(test_extension),
-        cmocka_unit_test(test_coarse_grid_anywhere),
-    };
-    return cmocka_run_group_tests(tests, rig_setup, rig_teardown);
-}
+UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_lapack), cmocka_unit_test(test_reference_solver),
+          cmocka_unit_test(test_degenerate), cmocka_unit_test(test_too_many),
+          cmocka_unit_test(test_coarse_grid), cmocka_unit_test(test_extension),
+          cmocka_unit_test(test_coarse_grid_anywhere))

@@ -227,10 +227,6 @@ static void test_ranges(void **state) {
     hs_scene_free(&data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {RIG_TEST(test_scenes),        RIG_TEST(test_spacings),
-                                       RIG_TEST(test_single_voxels), RIG_TEST(test_bone_at_once),
-                                       RIG_TEST(test_any_volume),    RIG_TEST(test_layered_noise),
-                                       RIG_TEST(test_ranges),        RIG_TEST(test_turned_box)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(test_scenes), RIG_TEST(test_spacings), RIG_TEST(test_single_voxels),
+          RIG_TEST(test_bone_at_once), RIG_TEST(test_any_volume), RIG_TEST(test_layered_noise),
+          RIG_TEST(test_ranges), RIG_TEST(test_turned_box))

@@ -28,7 +28,6 @@ static scan doubtful_rays(int fluid) {
 /* The surface lies in the first fluid; the ray pays 8 (1 - p) there for what it leaves, and 5.5 halves the
  * confidence. */
 static void test_confidence_of_a_doubtful_ray(void **state) {
-    (void)state;
     scan s = doubtful_rays(FLUID);
     const double brighter = (log(BRIGHTER / (255.5 - BRIGHTER)) - log(DIM / (255.5 - DIM))) * SPREAD_FIFTH;
     const double p = 1.0 / (1.0 + exp(-5.0 * (brighter - 0.4)));
@@ -46,7 +45,6 @@ static void test_confidence_of_a_doubtful_ray(void **state) {
 /* A cost of 5.5 halves the confidence. In a layer as bright as the threshold 1 is added, in one twice as
  * bright four times that. */
 static void test_confidence_of_a_cost(void **state) {
-    (void)state;
     const sv_wall_settings settings = sv_wall_settings_default();
     const sv_wall_layout l = sv_wall_layout_of(N, N, N, (const double[3]){MM, MM, MM}, &settings);
     assert_true(sv_wall_confidence(&l, 0.0f, 0.0f) == 1.0f);
@@ -59,7 +57,6 @@ static void test_confidence_of_a_cost(void **state) {
 /* The same rays are less sure where the fluid of their surface is brighter. With about 97 around, a level of
  * 30 has 0.44 of the threshold, 6 has 0.12: so the cost of about 4 grows by 0.18, which is 0.02 less. */
 static void test_bright_fluid_is_less_sure(void **state) {
-    (void)state;
     enum { HAZE = 30 };
     scan dark = doubtful_rays(FLUID), hazy = doubtful_rays(HAZE);
     assert_int_equal(hazy.outcome, SV_WALL_SURFACE);
@@ -101,7 +98,6 @@ static void put_scene(uint8_t levels[LAYERS], uint32_t wall, uint32_t gap) {
 
 /* Up to 7.5 mm of darkness in front of the wall are the near field: four layers, but not five. */
 static void test_near_field_is_no_fluid(void **state) {
-    (void)state;
     uint8_t levels[LAYERS];
     scan s = scan_make(N, N, N);
     put_scene(levels, 12, 8);
@@ -115,7 +111,6 @@ static void test_near_field_is_no_fluid(void **state) {
 
 /* Half of the rays must begin so: on fewer rays it is fluid, as in front of a limb near the probe. */
 static void test_near_field_is_broad(void **state) {
-    (void)state;
     uint8_t levels[LAYERS];
     scan s = scan_make(N, N, N);
     put_scene(levels, 12, 8);
@@ -128,7 +123,6 @@ static void test_near_field_is_broad(void **state) {
 
 /* The first 5.5 mm of a wall are skin, which may be much brighter: three layers, but not four. */
 static void test_skin_tells_nothing(void **state) {
-    (void)state;
     uint8_t levels[LAYERS];
     scan s = scan_make(N, N, N);
     put_scene(levels, 12, 8);
@@ -165,7 +159,6 @@ static void run_gap(scan *s, uint32_t gap, uint32_t elsewhere, uint8_t front, bo
 /* From 0.3 of what is as dark as fluid on there is a surface; below 0.12 there is none. Between them it is
  * doubtful: nothing is clipped, or with a confidence of 0.3 at most. */
 static void test_surface_lies_in_what_is_dark(void **state) {
-    (void)state;
     scan s = scan_make(N, N, N);
     run_gap(&s, 5, 11, MUSCLE, false); /* 0.3125 */
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
@@ -209,7 +202,6 @@ static void test_last_outcome_is_kept(void **state) {
                   {SV_WALL_NO_FLUID, 140, 320, 30},
                   {SV_WALL_DOUBTFUL, 100, 320, 30},
                   {SV_WALL_SURFACE, 100, 280, 30}};
-    (void)state;
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         sv_wall_settings settings = sv_wall_settings_default();
         const sv_wall_outcome last = settings.last = limits[i].last;
@@ -256,7 +248,6 @@ static uint8_t relate_first_layer(uint32_t muscle) {
 /* The threshold is the one around a block: what is bright within 10 mm, five layers of 2 mm, to either side
  * counts, and the mean of all that is bright as a twentieth of the blocks there. */
 static void test_threshold_is_local(void **state) {
-    (void)state;
     const double blocks = 4.0 * 11 * 11,
                  window = 0.05 * blocks * 11; /* six of its 11 layers are in the scan */
     const double bright = (5 * blocks * MUSCLE + blocks * BONE + window * MUSCLE) / (6 * blocks + window);
@@ -267,7 +258,6 @@ static void test_threshold_is_local(void **state) {
 
 /* A dim front is tissue, but no gap lies between it and the fetus: nobody knows what is in front. */
 static void test_dim_front_is_no_wall(void **state) {
-    (void)state;
     scan s = scan_make(N, N, N);
     run_gap(&s, 8, 2, (uint8_t)(0.5 * threshold_at(MUSCLE)), false);
     assert_int_equal(s.facts.wall_rays, s.facts.rays);
@@ -284,7 +274,6 @@ static void test_dim_front_is_no_wall(void **state) {
 /* The darkest fifth of all blocks is as dark as fluid: of 32 layers, the seven of the gap that hold it, and
  * not the three in the fetus that are a little brighter. */
 static void test_darkest_fifth(void **state) {
-    (void)state;
     uint8_t levels[LAYERS];
     for (uint32_t gap = 5; gap <= 7; gap += 2) {
         uint32_t at = 0;
@@ -300,13 +289,9 @@ static void test_darkest_fifth(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_confidence_of_a_doubtful_ray), cmocka_unit_test(test_confidence_of_a_cost),
-        cmocka_unit_test(test_bright_fluid_is_less_sure),    cmocka_unit_test(test_near_field_is_no_fluid),
-        cmocka_unit_test(test_near_field_is_broad),          cmocka_unit_test(test_skin_tells_nothing),
-        cmocka_unit_test(test_surface_lies_in_what_is_dark), cmocka_unit_test(test_threshold_is_local),
-        cmocka_unit_test(test_dim_front_is_no_wall),         cmocka_unit_test(test_darkest_fifth),
-        cmocka_unit_test(test_last_outcome_is_kept)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_confidence_of_a_doubtful_ray),
+          cmocka_unit_test(test_confidence_of_a_cost), cmocka_unit_test(test_bright_fluid_is_less_sure),
+          cmocka_unit_test(test_near_field_is_no_fluid), cmocka_unit_test(test_near_field_is_broad),
+          cmocka_unit_test(test_skin_tells_nothing), cmocka_unit_test(test_surface_lies_in_what_is_dark),
+          cmocka_unit_test(test_threshold_is_local), cmocka_unit_test(test_dim_front_is_no_wall),
+          cmocka_unit_test(test_darkest_fifth), cmocka_unit_test(test_last_outcome_is_kept))

@@ -78,7 +78,6 @@ static void check_grid(const sv_beams *b, double middle) {
 }
 
 static void test_grid_follows_the_fan(void **state) {
-    (void)state;
     /* the middle of the volume is at 29.5, 24.5, 39.5 */
     sv_beams b = {.kind = SV_BEAMS_FAN, .apex_mm = {29.5f, 24.5f, -60.5f}, .sweep_mm = 15.0f};
     memcpy(b.rotation, STRAIGHT, sizeof STRAIGHT);
@@ -95,7 +94,6 @@ static void test_grid_follows_the_fan(void **state) {
 }
 
 static void test_untold_beams_have_no_grid(void **state) {
-    (void)state;
     const sv_wall_settings s = sv_wall_settings_default();
     const double mm[3] = {1.0, 1.0, 1.0};
     const sv_wall_layout camera = sv_wall_layout_of(COLUMNS, ROWS, LAYERS, mm, &s);
@@ -113,7 +111,6 @@ static void look_from_left(const scan *from, scan *to) {
 
 /* From the side a ray meets no wall, but fluid or the fetus: bare the beams nothing hides it. */
 static void test_every_camera_has_the_same_answer(void **state) {
-    (void)state;
     sv_beams straight = {0}, turned = {0};
     memcpy(straight.rotation, STRAIGHT, sizeof STRAIGHT);
     memcpy(turned.rotation, FROM_LEFT, sizeof FROM_LEFT);
@@ -257,10 +254,7 @@ static void test_kernels_follow_the_definition(void **state) {
         if (outcome != SV_WALL_EMPTY) assert_true(answers[outcome] > 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grid_follows_the_fan), cmocka_unit_test(test_untold_beams_have_no_grid),
-        cmocka_unit_test(test_every_camera_has_the_same_answer),
-        RIG_TEST(test_an_answer_holds_for_its_volume), RIG_TEST(test_kernels_follow_the_definition)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_grid_follows_the_fan),
+          cmocka_unit_test(test_untold_beams_have_no_grid),
+          cmocka_unit_test(test_every_camera_has_the_same_answer),
+          RIG_TEST(test_an_answer_holds_for_its_volume), RIG_TEST(test_kernels_follow_the_definition))

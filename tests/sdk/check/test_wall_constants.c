@@ -7,14 +7,9 @@
 #include "ref/ref_wall_steps.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 #include "support/near.h"
+#include "support/unit.h"
 
 /* What the steps read; all of it is fluid of level 0 at first. */
 typedef struct {
@@ -71,7 +66,6 @@ static sv_wall_layout layout_at(uint32_t side, double mm) {
  * are more than that, and 21.6 mm are eleven cells. 41 voxels leave one over, and 20.5 mm are ten cells. Two
  * slices of 1.25 mm are the deepest layer. Unknown spacing: 120 mm have 60 cells. */
 static void blocks_are_of_about_two_millimetres(void **state) {
-    (void)state;
     assert_int_equal(layout_at(40, 0.535).cells[0], 10);
     assert_int_equal(layout_at(40, 0.54).cells[0], 11);
     assert_int_equal(layout_at(41, 0.5).cells[0], 10);
@@ -85,7 +79,6 @@ static void blocks_are_of_about_two_millimetres(void **state) {
 /* A twentieth of all is darker than the dark level: 40 of 1000 blocks and half of the next 20, which are
  * spread evenly over 9.5 .. 10.5. */
 static void a_twentieth_is_darker(void **state) {
-    (void)state;
     uint64_t histogram[256] = {[2] = 40, [10] = 20, [12] = 340, [100] = 600};
     model m;
     make(&m, 1, 1, 4, NULL);
@@ -99,7 +92,6 @@ static void a_twentieth_is_darker(void **state) {
  * blocks are 266, and they count as 144: E = (264 * 64 + 266 * 144) / 530 = 104.15. With dark fluid of 16 the
  * root of T is 0.35 * 4 + 0.65 * 10.205 = 8.033, and 128 * 64 / 8.033^2 = 126.9. */
 static void all_that_is_bright_weighs_a_twentieth(void **state) {
-    (void)state;
     enum { CELLS = 11, LAYERS = 6, MIDDLE = 2 * (CELLS / 2) };
     const sv_wall_levels known = {
         .two = true, .threshold = 40, .bright = 144 * SV_WALL_LEVEL_ONE, .dark = 16 * SV_WALL_LEVEL_ONE};
@@ -113,7 +105,6 @@ static void all_that_is_bright_weighs_a_twentieth(void **state) {
 
 /* 0.4 of the threshold is 51.2 of 128. */
 static void a_front_is_dim_from_two_fifths_on(void **state) {
-    (void)state;
     model m;
     make(&m, 2, 1, 3, NULL);
     fill(&m, m.blocks.relative, 0, 0, 3, 51);
@@ -128,7 +119,6 @@ static void a_front_is_dim_from_two_fifths_on(void **state) {
 
 /* 3.75 mm are 1.9 cells: two cells aside it is as bright, three cells aside it is not. */
 static void brightness_reaches_two_cells(void **state) {
-    (void)state;
     model m;
     make(&m, 9, 1, 4, NULL);
     fill(&m, m.blocks.means, 4, 0, 4, 90);
@@ -154,7 +144,6 @@ static double as_p(uint32_t fixed) {
 /* Ten cells of wall. The first decile is the upper end of 30, the median that of the fifth, the last decile
  * that of the ninth. */
 static void the_wall_is_the_median_and_its_spread_that_of_the_deciles(void **state) {
-    (void)state;
     static const uint8_t walls[] = {30, 60, 60, 60, 80, 82, 84, 86, 120, 180};
     enum { CELLS = 10, LAYERS = 8 };
     sv_wall_evidence e;
@@ -191,7 +180,6 @@ static sv_wall_evidence evidence_of_walls(uint32_t walls) {
 
 /* Below 5 % of the rays there is no wall. Then it counts as 0.6 of the bright mean, with a spread of 0.5. */
 static void a_wall_on_few_rays_is_assumed(void **state) {
-    (void)state;
     const sv_wall_evidence few = evidence_of_walls(4), many = evidence_of_walls(5);
     assert_true(few.bare && !many.bare);
     assert_int_equal(few.wall, 60 * SV_WALL_LEVEL_ONE);
@@ -219,7 +207,6 @@ static uint8_t flags_beside(uint32_t p, size_t rays) {
 
 /* A cell shows the fetus from a probability of one half on, and counts by three of its rays. */
 static void three_rays_and_one_half_make_the_fetus(void **state) {
-    (void)state;
     const uint32_t half = SV_WALL_PROBABILITY_ONE / 2;
     assert_int_equal(flags_beside(half, 3), SV_WALL_FLANKED);
     assert_int_equal(flags_beside(half, 2), SV_WALL_ONE_SIDE);
@@ -262,7 +249,6 @@ static void costs_behind_wall(uint8_t level, double cost[DEEP]) {
 /* A layer of distance to the fluid costs 2 mm / 7 mm, four cost 1. To leave the wall costs nothing, to cut
  * the fetus 15, to stay before its fluid 8. */
 static void what_errors_cost(void **state) {
-    (void)state;
     double cost[DEEP];
     costs_behind_wall(0, cost);
     assert_near(cost[0], 8.0 + 1.0, COST_STEP);
@@ -291,7 +277,6 @@ static double cost_between(uint8_t level) {
 
 /* Fluid is certain up to 0.4 T, level 51, and none at T, level 128. Half way it is certain to a quarter. */
 static void what_is_dim_is_no_certain_fluid(void **state) {
-    (void)state;
     assert_near(cost_between(0), 0.0, 0.0);
     assert_near(cost_between(51), 0.0, 0.0);
     assert_near(cost_between(90), 8.0 * (1.0 - pow(38.0 / 77.0, 2.0)), COST_STEP);
@@ -300,7 +285,6 @@ static void what_is_dim_is_no_certain_fluid(void **state) {
 
 /* But it is where it ends a first run. */
 static void the_first_fluid_is_certain(void **state) {
-    (void)state;
     double cost[DEEP];
     costs_behind_wall(120, cost);
     for (uint32_t z = 5; z < 10; z++) assert_near(cost[z], 0.0, 0.0);
@@ -310,7 +294,6 @@ static void the_first_fluid_is_certain(void **state) {
  * p = 0 as wall by 0.3 to p = 1 as a later run; if on both, all the way. The fluid behind it pays for that.
  */
 static void one_side_weighs_three_tenths(void **state) {
-    (void)state;
     double cost[DEEP];
     model m;
     make(&m, 1, 1, DEEP, NULL);
@@ -347,7 +330,6 @@ static void select_surface(row_of_cells *r, const sv_wall_settings *settings) {
 /* Layer 5 costs nothing, the two behind it a quarter, all others 2. Below 0.5 they weigh 2 : 1 : 1, so the
  * surface is layer 5.75, of two slices. Costs cross half of that an eighth before layer 5, and at layer 6. */
 static void layers_are_averaged_and_the_knob_moves_over_some(void **state) {
-    (void)state;
     row_of_cells r;
     for (uint32_t i = 0; i < ACROSS * DEEP; i++) {
         const uint32_t z = i % DEEP;
@@ -368,7 +350,6 @@ static void layers_are_averaged_and_the_knob_moves_over_some(void **state) {
  * lie a quarter of the way to the next cell: they pay 16 (3 * 18 + 14) / 4 / 64 = 4.25, those beside them
  * 16 (3 * 14 + 18) / 4 / 64 = 3.75. */
 static void the_gaussian_smooths_costs(void **state) {
-    (void)state;
     enum { CELL = ACROSS / 2 };
     row_of_cells r = {.cost = {{0}}};
     for (uint32_t z = 0; z < DEEP; z++) r.cost[CELL][z] = 16 * SV_WALL_COST_ONE;
@@ -397,7 +378,6 @@ static uint32_t columns_that_stay(uint32_t cells) {
 /* Twice 2.9 mm are six rays. A column stays if the one six to its left or to its right lies in the stripe,
  * too: all twelve of six cells, but of the ten of five cells not the middle two. */
 static void the_median_looks_six_rays_aside(void **state) {
-    (void)state;
     assert_int_equal(columns_that_stay(6), 12);
     assert_int_equal(columns_that_stay(5), 8);
 }
@@ -405,7 +385,6 @@ static void the_median_looks_six_rays_aside(void **state) {
 /* Twelve cells are 24 mm wide, and thirteen are wider than an opening of 24 mm, which ends the pit of a
  * surface that is doubtful, as here where no dark block lies in a gap. */
 static void a_doubtful_surface_has_no_narrow_pits(void **state) {
-    (void)state;
     sv_wall_settings s = sv_wall_settings_default();
     s.sigma_mm = 0.1;
     for (uint32_t pit = 12; pit <= 13; pit++) {
@@ -424,24 +403,14 @@ static void a_doubtful_surface_has_no_narrow_pits(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_are_of_about_two_millimetres),
-        cmocka_unit_test(a_twentieth_is_darker),
-        cmocka_unit_test(all_that_is_bright_weighs_a_twentieth),
-        cmocka_unit_test(a_front_is_dim_from_two_fifths_on),
-        cmocka_unit_test(brightness_reaches_two_cells),
-        cmocka_unit_test(the_wall_is_the_median_and_its_spread_that_of_the_deciles),
-        cmocka_unit_test(a_wall_on_few_rays_is_assumed),
-        cmocka_unit_test(three_rays_and_one_half_make_the_fetus),
-        cmocka_unit_test(what_errors_cost),
-        cmocka_unit_test(what_is_dim_is_no_certain_fluid),
-        cmocka_unit_test(the_first_fluid_is_certain),
-        cmocka_unit_test(one_side_weighs_three_tenths),
-        cmocka_unit_test(layers_are_averaged_and_the_knob_moves_over_some),
-        cmocka_unit_test(the_gaussian_smooths_costs),
-        cmocka_unit_test(the_median_looks_six_rays_aside),
-        cmocka_unit_test(a_doubtful_surface_has_no_narrow_pits),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(blocks_are_of_about_two_millimetres),
+          cmocka_unit_test(a_twentieth_is_darker), cmocka_unit_test(all_that_is_bright_weighs_a_twentieth),
+          cmocka_unit_test(a_front_is_dim_from_two_fifths_on), cmocka_unit_test(brightness_reaches_two_cells),
+          cmocka_unit_test(the_wall_is_the_median_and_its_spread_that_of_the_deciles),
+          cmocka_unit_test(a_wall_on_few_rays_is_assumed),
+          cmocka_unit_test(three_rays_and_one_half_make_the_fetus), cmocka_unit_test(what_errors_cost),
+          cmocka_unit_test(what_is_dim_is_no_certain_fluid), cmocka_unit_test(the_first_fluid_is_certain),
+          cmocka_unit_test(one_side_weighs_three_tenths),
+          cmocka_unit_test(layers_are_averaged_and_the_knob_moves_over_some),
+          cmocka_unit_test(the_gaussian_smooths_costs), cmocka_unit_test(the_median_looks_six_rays_aside),
+          cmocka_unit_test(a_doubtful_surface_has_no_narrow_pits))

@@ -10,7 +10,6 @@
 #include <string.h>
 
 static void test_stands_between_wall_and_fetus(void **state) {
-    (void)state;
     scan s = scene();
     scan_run(&s);
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
@@ -60,7 +59,6 @@ static void assert_turned(const scan *from, bool mirror_x, bool mirror_y, bool t
 /* A picture of 63 x 50 pixels is no whole number of cells: the cells must still be laid the same from both
  * sides. */
 static void test_mirrored_and_transposed(void **state) {
-    (void)state;
     const uint32_t sizes[2][2] = {{N, N}, {63, 50}};
     for (int i = 0; i < 2; i++) {
         scan s = scan_make(sizes[i][0], sizes[i][1], N);
@@ -75,7 +73,6 @@ static void test_mirrored_and_transposed(void **state) {
 }
 
 static void test_room_in_front_moves_it(void **state) {
-    (void)state;
     enum { ROOM = 8 };
     scan s = scene(), far = scan_make(N, N, N + ROOM);
     memset(far.voxels, 255, (size_t)PIXELS * ROOM); /* not scanned: never read */
@@ -100,7 +97,6 @@ static double mean_change(const scan *a, const scan *b, uint32_t moved_x) {
 }
 
 static void test_moved_by_a_pixel(void **state) {
-    (void)state;
     scan s = scene(), moved = scan_make(N, N, N);
     for (uint32_t z = 0; z < N; z++)
         for (uint32_t y = 0; y < N; y++)
@@ -116,7 +112,6 @@ static void test_moved_by_a_pixel(void **state) {
 }
 
 static void test_grey_levels(void **state) {
-    (void)state;
     const double changes[][3] = {{0.5, 1, 0}, {1.2, 1, 0}, {1, 0.8, 0},
                                  {1, 1.3, 0}, {1, 1, 15},  {1, 1, -4}}; /* gain, gamma, black */
     scan s = scene();
@@ -141,7 +136,6 @@ static void test_grey_levels(void **state) {
 
 /* Without tissue in front of the fetus none of the fetus may be cut. */
 static void test_bare_fetus(void **state) {
-    (void)state;
     scan s = scan_make(N, N, N);
     draw(&s, 0, GAP, true);
     scan_run(&s);
@@ -155,7 +149,6 @@ static void test_bare_fetus(void **state) {
 /* A bare fetus is not cut if its skin is dim and the tissue behind is bright, as with a head in black fluid:
  * no tissue lies in front of that fluid, so nothing hides the fetus. */
 static void test_bare_and_dim(void **state) {
-    (void)state;
     enum { FRONT = 20, HOLLOW = 26, BACK = 34, DEEP = 42 };
     scan s = scan_make(N, N, N);
     for (uint32_t z = FRONT; z < N; z++)
@@ -174,7 +167,6 @@ static void test_bare_and_dim(void **state) {
 /* Flesh begins where the scan does, with dark shadows beside it and a hollow in it: there is no wall, and no
  * fluid in front. */
 static void test_touching(void **state) {
-    (void)state;
     scan s = scan_make(N, N, N);
     for (uint32_t z = 0; z < N; z++)
         for (uint32_t y = 0; y < N; y++)
@@ -199,7 +191,6 @@ static void assert_clips_nothing(scan *s, sv_wall_outcome expected) {
 
 /* All is tissue, from dark to bright without a gap: there is no fluid for the surface. */
 static void test_no_fluid(void **state) {
-    (void)state;
     scan s = scan_make(N, N, N);
     for (uint32_t z = 0; z < N; z++)
         for (uint32_t y = 0; y < N; y++)
@@ -226,7 +217,6 @@ static scan hazy(void) {
 
 /* Haze fills the histogram up to the tissue, but the surface lies in what is dark. */
 static void test_haze(void **state) {
-    (void)state;
     scan s = hazy();
     scan_run(&s);
     assert_true(s.facts.gap_share > 0.9);
@@ -241,7 +231,6 @@ static void test_haze(void **state) {
 
 /* Voxels are as long as a block, each with speckle of its own. Dark ones do not split the wall. */
 static void test_speckle(void **state) {
-    (void)state;
     static const double speckle[8] = {0.3, 0.4, 0.6, 0.8, 1.0, 1.2, 1.6, 2.0};
     scan s = scene();
     for (size_t i = 0; i < (size_t)PIXELS * WALL; i++)
@@ -256,7 +245,6 @@ static void test_speckle(void **state) {
 
 /* An empty sac: the surface lies in it, behind the wall and before the back. */
 static void test_no_fetus(void **state) {
-    (void)state;
     scan s = scan_make(N, N, N);
     draw(&s, WALL, GAP, false);
     scan_run(&s);
@@ -268,7 +256,6 @@ static void test_no_fetus(void **state) {
 /* The wall is brighter than all behind it, and the body has no bone: nobody knows what to keep, so nothing
  * is clipped. */
 static void test_nothing_brighter_than_the_wall(void **state) {
-    (void)state;
     scan s = scan_make(N, N, N);
     draw(&s, WALL, GAP, true);
     for (size_t i = 0; i < (size_t)PIXELS * N; i++)
@@ -279,7 +266,6 @@ static void test_nothing_brighter_than_the_wall(void **state) {
 }
 
 static void test_empty(void **state) {
-    (void)state;
     scan black = scan_make(9, 7, 20), flat = scan_make(9, 7, 20), outside = scene();
     memset(flat.voxels, 77, 9 * 7 * 20);
     for (size_t i = 0; i < PIXELS; i++) outside.first[i] = outside.end[i] = N / 2;
@@ -292,7 +278,6 @@ static void test_empty(void **state) {
 }
 
 static void test_small(void **state) {
-    (void)state;
     const uint32_t sizes[][3] = {{1, 1, 1}, {1, 1, 64}, {2, 3, 64}, {64, 64, 1}, {64, 1, 40}, {5, 64, 3}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         scan s = scan_make(sizes[i][0], sizes[i][1], sizes[i][2]);
@@ -304,7 +289,6 @@ static void test_small(void **state) {
 
 /* Rays that were not scanned cost nothing: their neighbours decide. */
 static void test_unscanned_rays(void **state) {
-    (void)state;
     scan s = scene(), holes = scene();
     for (uint32_t y = 3; y < N; y += 7)
         for (uint32_t x = 3; x < N; x += 7) holes.end[y * N + x] = 0;
@@ -319,7 +303,6 @@ static void test_unscanned_rays(void **state) {
 }
 
 static void test_everything_scanned(void **state) {
-    (void)state;
     scan s = scene();
     scan_run(&s);
     float depth[PIXELS], confidence[PIXELS];
@@ -346,7 +329,6 @@ static void assert_refused(sv_wall_volume v, const char *field, const char *valu
 /* The weights of a pixel between four rays are rounded, and where all four are sure they may add up to more
  * than 1: hosts refuse such a map. */
 static void test_confidence_is_in_range(void **state) {
-    (void)state;
     enum { SCANNED = 45 }; /* columns; outside of them the confidence is 1 */
     for (uint32_t side = 55; side < 75; side += 2) {
         scan s = scan_make(side, side, N);
@@ -362,7 +344,6 @@ static void test_confidence_is_in_range(void **state) {
 }
 
 static void test_bad_input(void **state) {
-    (void)state;
     const uint8_t voxels[8] = {0};
     const uint16_t first[4] = {0, 0, 2, 0}, end[4] = {2, 2, 1, 2}, beyond[4] = {2, 2, 3, 2}, none[4] = {0};
     const sv_wall_volume good = {voxels, 2, 2, 2, NULL, NULL, {1.0, 1.0, 1.0}, NULL};
@@ -393,27 +374,13 @@ static void test_bad_input(void **state) {
     assert_refused(v, "ray (0, 1)", "end 3");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stands_between_wall_and_fetus),
-        cmocka_unit_test(test_mirrored_and_transposed),
-        cmocka_unit_test(test_room_in_front_moves_it),
-        cmocka_unit_test(test_moved_by_a_pixel),
-        cmocka_unit_test(test_grey_levels),
-        cmocka_unit_test(test_bare_fetus),
-        cmocka_unit_test(test_bare_and_dim),
-        cmocka_unit_test(test_touching),
-        cmocka_unit_test(test_no_fluid),
-        cmocka_unit_test(test_haze),
-        cmocka_unit_test(test_speckle),
-        cmocka_unit_test(test_no_fetus),
-        cmocka_unit_test(test_nothing_brighter_than_the_wall),
-        cmocka_unit_test(test_empty),
-        cmocka_unit_test(test_small),
-        cmocka_unit_test(test_unscanned_rays),
-        cmocka_unit_test(test_everything_scanned),
-        cmocka_unit_test(test_confidence_is_in_range),
-        cmocka_unit_test(test_bad_input),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_stands_between_wall_and_fetus),
+          cmocka_unit_test(test_mirrored_and_transposed), cmocka_unit_test(test_room_in_front_moves_it),
+          cmocka_unit_test(test_moved_by_a_pixel), cmocka_unit_test(test_grey_levels),
+          cmocka_unit_test(test_bare_fetus), cmocka_unit_test(test_bare_and_dim),
+          cmocka_unit_test(test_touching), cmocka_unit_test(test_no_fluid), cmocka_unit_test(test_haze),
+          cmocka_unit_test(test_speckle), cmocka_unit_test(test_no_fetus),
+          cmocka_unit_test(test_nothing_brighter_than_the_wall), cmocka_unit_test(test_empty),
+          cmocka_unit_test(test_small), cmocka_unit_test(test_unscanned_rays),
+          cmocka_unit_test(test_everything_scanned), cmocka_unit_test(test_confidence_is_in_range),
+          cmocka_unit_test(test_bad_input))

@@ -12,7 +12,6 @@
 /* Tissue that fades from one side to the other has no mode of its own, and a quarter of the rays begin in
  * fluid. But fluid and tissue lie too far apart to be one class. */
 static void test_fading_tissue(void **state) {
-    (void)state;
     scan s = scene();
     for (uint32_t z = 0; z < N; z++)
         for (uint32_t y = 0; y < N; y++)
@@ -47,7 +46,6 @@ static scan with_bladder(void) {
 
 /* The tissue behind the bladder is judged like wall, so the surface lies behind that. */
 static void test_bladder(void **state) {
-    (void)state;
     scan s = with_bladder();
     scan_run(&s);
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
@@ -97,7 +95,6 @@ static uint8_t enclosed_in_middle(const int *open, int opens) {
  * sides does. Fluid at the corners does not. */
 static void test_enclosed(void **state) {
     static const int sides[] = {11, 13, 7, 17, 11}, corners[] = {6, 8, 16, 18, 0, 24};
-    (void)state;
     assert_int_equal(enclosed_in_middle(NULL, 0), SV_WALL_ENCLOSED);
     assert_int_equal(enclosed_in_middle(corners, 6), SV_WALL_ENCLOSED);
     for (size_t i = 0; i < 4; i++) {
@@ -110,7 +107,6 @@ static void test_enclosed(void **state) {
  * knob's range lies behind its tip, but the surface does not. */
 static void test_finger(void **state) {
     enum { LENGTH = 3, X = 26, Y = 35 };
-    (void)state;
     scan s = scene();
     const uint32_t tip = skin(X, Y) - LENGTH;
     for (uint32_t z = tip; z < tip + LENGTH; z++)
@@ -158,7 +154,6 @@ static uint32_t rays_behind_limb(uint32_t from, uint32_t to, const sv_wall_setti
 /* If fluid flanks the part against the wall, that is judged like the parts on both sides. If it has fluid on
  * one side only, it is judged so to a lesser degree. By itself it is judged like the wall. */
 static void test_limb(void **state) {
-    (void)state;
     const sv_wall_settings all = sv_wall_settings_default();
     sv_wall_settings both_sides = all;
     both_sides.one_side = 0.0;
@@ -191,7 +186,6 @@ static uint32_t rays_before_line(double level, const sv_wall_settings *settings)
 
 /* Fluid parts an occluder from the fetus. What is dim does not part skin from bone. */
 static void test_dim_between_skin_and_bone(void **state) {
-    (void)state;
     sv_wall_settings no_dim = sv_wall_settings_default();
     no_dim.dim = 1.0; /* whatever is no tissue is certain fluid */
     assert_int_equal(rays_before_line(DIM, NULL), 64);
@@ -199,10 +193,6 @@ static void test_dim_between_skin_and_bone(void **state) {
     assert_int_equal(rays_before_line(DIM, &no_dim), 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fading_tissue), cmocka_unit_test(test_bladder),
-        cmocka_unit_test(test_enclosed),      cmocka_unit_test(test_finger),
-        cmocka_unit_test(test_limb),          cmocka_unit_test(test_dim_between_skin_and_bone)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_fading_tissue), cmocka_unit_test(test_bladder),
+          cmocka_unit_test(test_enclosed), cmocka_unit_test(test_finger), cmocka_unit_test(test_limb),
+          cmocka_unit_test(test_dim_between_skin_and_bone))

@@ -161,8 +161,4 @@ static void first_frames_remember_nothing(void **state) {
     r->plugin->deactivate(r->plugin);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {RIG_TEST(answers_do_not_flicker),
-                                       RIG_TEST(first_frames_remember_nothing)};
-    return cmocka_run_group_tests_name("wall from frame to frame", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(answers_do_not_flicker), RIG_TEST(first_frames_remember_nothing))

@@ -8,14 +8,10 @@
 
 #include "smartvis/author_cl.h"
 #include "support/rig.h"
+#include "support/unit.h"
 
 #include <locale.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { WIDTH = 8, HEIGHT = 4, SLICES = 6, FIND = 0, PLACE, KERNELS };
 
@@ -91,7 +87,6 @@ static const char *run(const sva_method *method) {
 }
 
 static void a_line_left_out_is_named(void **state) {
-    (void)state;
     wanted = "find";
     place_args = 2;
     assert_string_equal(run(&whole), "");
@@ -122,7 +117,6 @@ static void a_line_left_out_is_named(void **state) {
 }
 
 static void kernels_are_named(void **state) {
-    (void)state;
     wanted = "fnid";
     const char *said = run(&whole);
     assert_non_null(strstr(said, "kernel fnid: CL_INVALID_KERNEL_NAME (-46); the source has "));
@@ -173,8 +167,5 @@ static void a_comma_stays_outside(void **state) {
     if (!taken) skip();
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_line_left_out_is_named),
-                                       cmocka_unit_test(kernels_are_named), RIG_TEST(a_comma_stays_outside)};
-    return cmocka_run_group_tests_name("author's kernels", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_line_left_out_is_named), cmocka_unit_test(kernels_are_named),
+          RIG_TEST(a_comma_stays_outside))

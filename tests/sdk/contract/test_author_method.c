@@ -6,13 +6,8 @@
 #include "smartvis/author.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include <cmocka.h>
+#include "support/unit.h"
 
 enum { WIDTH = 5, HEIGHT = 3, SLICES = 4, RAYS = WIDTH * HEIGHT };
 
@@ -157,7 +152,6 @@ static sv_status frame(const sv_plugin *p) {
 /* ---- tests */
 
 static void a_method_that_fails(void **state) {
-    (void)state;
     const sv_plugin *p = make(&own_method);
     assert_int_equal(activate_at(p, AT_ACTIVATE), SV_ERR_INTERNAL);
     assert_string_equal(p->last_error(p), "fails at 1");
@@ -190,7 +184,6 @@ static void a_method_that_fails(void **state) {
 }
 
 static void parameters(void **state) {
-    (void)state;
     char text[16];
     const sv_plugin *p = make(&own_method);
     sv_param_info info = {.size = sizeof info};
@@ -230,7 +223,6 @@ static void parameters(void **state) {
 
 /* Every voxel by the arithmetic drawn in the header, and what was scanned of it. */
 static void voxels_and_ranges(void **state) {
-    (void)state;
     static const sv_descriptor descriptor =
         SVA_DESCRIPTOR("test.own", "Own", "Test", "1", "Reads.", SV_FEATURE_SCANNED | SV_FEATURE_PADDING);
     sva_method method = own_method;
@@ -262,7 +254,6 @@ static void voxels_and_ranges(void **state) {
 /* A frame of 1.0 says nothing of the probe, and what lies behind it is not read as if it did. With the
  * feature a wrong rotation is refused; without it the fields are ignored. */
 static void where_the_probe_is(void **state) {
-    (void)state;
 #define STRAIGHT .probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .probe_side = { 0, 0, -1 }
 #define TURNED   .probe_side = {1, 0, 0}, .probe_rotation
 #define FAN      STRAIGHT, .beams = SV_BEAMS_FAN
@@ -322,7 +313,6 @@ static void where_the_probe_is(void **state) {
 
 /* A defect of the author's tables is found when the first instance is made. */
 static void wrong_tables(void **state) {
-    (void)state;
     const sv_plugin *p = NULL;
     sva_param bad[3];
     sva_method method = own_method;
@@ -347,11 +337,6 @@ static void wrong_tables(void **state) {
     assert_null(p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_method_that_fails), cmocka_unit_test(parameters),
-        cmocka_unit_test(voxels_and_ranges),   cmocka_unit_test(where_the_probe_is),
-        cmocka_unit_test(wrong_tables),
-    };
-    return cmocka_run_group_tests_name("author's methods", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_method_that_fails), cmocka_unit_test(parameters),
+          cmocka_unit_test(voxels_and_ranges), cmocka_unit_test(where_the_probe_is),
+          cmocka_unit_test(wrong_tables))

@@ -130,9 +130,5 @@ static void another_method_has_no_map(void **state) {
     finish(r, t, &out);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        RIG_TEST(write_gives_what_read_gives), RIG_TEST(a_buffer_is_written_where_it_was_asked),
-        RIG_TEST(a_queue_of_its_own_reaches_no_buffer_of_the_host), RIG_TEST(another_method_has_no_map)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(write_gives_what_read_gives), RIG_TEST(a_buffer_is_written_where_it_was_asked),
+          RIG_TEST(a_queue_of_its_own_reaches_no_buffer_of_the_host), RIG_TEST(another_method_has_no_map))

@@ -4,13 +4,7 @@
  * too short, ids and flags that nobody knows. A refused call says why, and changes nothing.
  */
 #include "support/fixture.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 /* ---- states ---- */
 
@@ -233,12 +227,8 @@ static void unknown_ids_and_flags(void **state) {
     fixture_frame_is_good(f);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        FIXTURE_TEST(calls_in_the_wrong_state),     FIXTURE_TEST_ACTIVE(a_refused_call_changes_nothing),
-        FIXTURE_TEST(deactivate_when_inactive),     FIXTURE_TEST(null_arguments),
-        FIXTURE_TEST(a_host_without_services),      FIXTURE_TEST_ACTIVE(structs_too_short),
-        FIXTURE_TEST_ACTIVE(unknown_ids_and_flags), FIXTURE_TEST_ACTIVE(only_known_bytes_are_touched),
-    };
-    return cmocka_run_group_tests_name("contract", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(calls_in_the_wrong_state),
+          FIXTURE_TEST_ACTIVE(a_refused_call_changes_nothing), FIXTURE_TEST(deactivate_when_inactive),
+          FIXTURE_TEST(null_arguments), FIXTURE_TEST(a_host_without_services),
+          FIXTURE_TEST_ACTIVE(structs_too_short), FIXTURE_TEST_ACTIVE(unknown_ids_and_flags),
+          FIXTURE_TEST_ACTIVE(only_known_bytes_are_touched))

@@ -24,10 +24,7 @@ static cl_command_queue make_queue(cl_context c, cl_device_id d, cl_command_queu
 #define clReleaseCommandQueue(q) ((void)(q), CL_SUCCESS)
 #include "../../../src/device/device.c" /* NOLINT(bugprone-suspicious-include) */
 
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 /* A device is a platform of its own. */
 typedef struct {
@@ -109,7 +106,6 @@ static void the_first_that_works(void **state) {
     static const fake broken[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1}, {"Other", CL_DEVICE_TYPE_CPU, 0}};
     static const fake none[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1}, {"Other", CL_DEVICE_TYPE_CPU, 1}};
     static const fake aborts[] = {{"rusticl", CL_DEVICE_TYPE_GPU, 0}, {"Other", CL_DEVICE_TYPE_CPU, 0}};
-    (void)state;
     takes(two, 2, NULL, 1, NULL); /* a GPU comes first */
     takes(two, 2, "gpu", 1, NULL);
     takes(two, 2, "cpu", 0, NULL);
@@ -122,7 +118,4 @@ static void the_first_that_works(void **state) {
     takes(aborts, 1, NULL, -1, "take a device of another one");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_first_that_works)};
-    return cmocka_run_group_tests_name("devices", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(the_first_that_works))

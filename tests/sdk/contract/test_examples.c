@@ -7,14 +7,7 @@
  */
 #include "programs/shared_programs.h"
 #include "support/rig.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 enum { WIDTH = 19, HEIGHT = 13, SLICES = 22, RAYS = WIDTH * HEIGHT };
 
@@ -339,13 +332,8 @@ static void build_errors_name_lines(void **state) {
     free(volume);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(depth_follows_q),         cmocka_unit_test(outliers_and_holes),
-        cmocka_unit_test(a_part_without_surface),  cmocka_unit_test(gap_in_millimetres),
-        cmocka_unit_test(only_what_was_scanned),   cmocka_unit_test(kernels_equal_the_cpu),
-        cmocka_unit_test(adjust_equals_a_frame),   cmocka_unit_test(buffers_that_end_too_early),
-        cmocka_unit_test(build_errors_name_lines),
-    };
-    return cmocka_run_group_tests_name("examples", tests, open_examples, close_examples);
-}
+UNIT_MAIN(open_examples, close_examples, cmocka_unit_test(depth_follows_q),
+          cmocka_unit_test(outliers_and_holes), cmocka_unit_test(a_part_without_surface),
+          cmocka_unit_test(gap_in_millimetres), cmocka_unit_test(only_what_was_scanned),
+          cmocka_unit_test(kernels_equal_the_cpu), cmocka_unit_test(adjust_equals_a_frame),
+          cmocka_unit_test(buffers_that_end_too_early), cmocka_unit_test(build_errors_name_lines))

@@ -6,15 +6,11 @@
  */
 #include "support/fixture.h"
 #include "support/surfaces.h"
+#include "support/unit.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 static void watch(const fixture *f) {
     spy_watch(f->r.entry);
@@ -370,17 +366,8 @@ static void the_spy_sees_blocking_calls(void **state) {
     heap_spy_watch(NULL);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        FIXTURE_TEST(the_spy_sees_activation),
-        FIXTURE_TEST(each_program_is_built_once),
-        FIXTURE_TEST(the_spy_sees_blocking_calls),
-        FIXTURE_TEST(frames_are_quiet),
-        FIXTURE_TEST(methods_are_quiet),
-        FIXTURE_TEST(refusals_are_quiet),
-        FIXTURE_TEST(what_runs_is_waited_for),
-        FIXTURE_TEST(timed_frames),
-        FIXTURE_TEST(activation_compiles_what_frames_launch),
-    };
-    return cmocka_run_group_tests_name("frame path", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(the_spy_sees_activation), FIXTURE_TEST(each_program_is_built_once),
+          FIXTURE_TEST(the_spy_sees_blocking_calls), FIXTURE_TEST(frames_are_quiet),
+          FIXTURE_TEST(methods_are_quiet), FIXTURE_TEST(refusals_are_quiet),
+          FIXTURE_TEST(what_runs_is_waited_for), FIXTURE_TEST(timed_frames),
+          FIXTURE_TEST(activation_compiles_what_frames_launch))

@@ -6,18 +6,12 @@
 #include "record/rec_item.h"
 #include "rules/rules.h"
 #include "support/layer_fixture.h"
+#include "support/unit.h"
 
 #include <dlfcn.h>
 #include <inttypes.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define CPU "wrong/right/results"
 #define CL  "wrong/right/opencl"
@@ -31,7 +25,6 @@ static void what_is_right_gives_nothing_to_say(void **state) {
                                         "examples/first_edge",
                                         "examples/kernel_edge",
                                         "smartvis"};
-    (void)state;
     for (size_t n = 0; n < sizeof right / sizeof *right; n++)
         for (int queue = 0; queue < 3; queue++) { /* its own; the host's with buffers; with host memory */
             layer_subject *s = layer_open(right[n]);
@@ -50,7 +43,6 @@ static void what_is_right_gives_nothing_to_say(void **state) {
 
 /* ---- settings */
 static void stop_makes_errors(void **state) {
-    (void)state;
     (void)setenv("SMARTVIS_CHECK", "stop", 1);
     layer_subject *s = layer_open(CPU);
     layer_create(s);
@@ -79,7 +71,6 @@ static void stop_makes_errors(void **state) {
 
 /* The layer makes a map NaN before the plugin writes it. */
 static void a_failed_call_leaves_no_nan(void **state) {
-    (void)state;
     layer_subject *s = layer_open("wrong/end_minus_77");
     layer_create(s);
     layer_start(s, SLABS);
@@ -92,7 +83,6 @@ static void a_failed_call_leaves_no_nan(void **state) {
 
 static void off_is_the_plugin_itself(void **state) {
     Dl_info where;
-    (void)state;
     (void)setenv("SMARTVIS_CHECK", "off", 1);
     layer_subject *s = layer_open(CPU);
     layer_create(s);
@@ -108,7 +98,6 @@ static void off_is_the_plugin_itself(void **state) {
 
 static void repeated_breaches_are_told_less_and_less(void **state) {
     unsigned lines = 0;
-    (void)state;
     layer_subject *s = layer_open(CPU);
     layer_create(s);
     (void)layer_activate(s);
@@ -121,7 +110,6 @@ static void repeated_breaches_are_told_less_and_less(void **state) {
 
 static void a_file_beside_it_has_the_settings(void **state) {
     char folder[] = "/tmp/layer_XXXXXX", command[4096], recording[64];
-    (void)state;
     assert_non_null(mkdtemp(folder));
     (void)snprintf(
         command, sizeof command,
@@ -152,7 +140,6 @@ static void a_file_beside_it_has_the_settings(void **state) {
 /* lib/smartvis/check/smartvis_check.so and lib/smartvis/smartvis.so. */
 static void an_installation_needs_no_setting(void **state) {
     char folder[] = "/tmp/layer_XXXXXX", check[64], command[4096];
-    (void)state;
     assert_non_null(mkdtemp(folder));
     (void)snprintf(check, sizeof check, "%s/check", folder);
     (void)snprintf(command, sizeof command,
@@ -175,7 +162,6 @@ static void what_cannot_be_used_is_told(void **state) {
                  {"smartvis_check", "on", "is the layer itself"},
                  {"wrong/no_symbol", "on", "has no symbol smartvis_plugin_entry"},
                  {CPU, "maybe", "SMARTVIS_CHECK is 'maybe', expected off, on or stop"}};
-    (void)state;
     for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
         (void)setenv("SMARTVIS_CHECK", wrong[n].check, 1);
         layer_subject *s = layer_open(wrong[n].plugin);
@@ -198,7 +184,6 @@ static void *open_gate(void *gate) {
 /* A host that forgets deactivate while the queue has not run: what the layer enqueued finds its memory. */
 static void destroy_waits_for_what_is_under_way(void **state) {
     pthread_t thread;
-    (void)state;
     layer_subject *s = layer_open(CL);
     layer_take_queue(s);
     layer_create(s);
@@ -244,7 +229,6 @@ static uint32_t recorded(const char *path, rc_kind kind) {
 static void what_passes_is_recorded(void **state) {
     static const char *const modes[] = {"on", "off"};
     char path[] = "/tmp/layer_XXXXXX";
-    (void)state;
     const int file = mkstemp(path);
     assert_true(file >= 0);
     (void)close(file);
@@ -273,7 +257,6 @@ static void what_passes_is_recorded(void **state) {
 /* What the layer refuses of activate's return, it gives back: the plugin is inactive, as the host has it. */
 static void an_activation_that_is_stopped_is_undone(void **state) {
     char path[] = "/tmp/layer_XXXXXX";
-    (void)state;
     const int file = mkstemp(path);
     assert_true(file >= 0);
     (void)close(file);
@@ -297,7 +280,6 @@ static void an_activation_that_is_stopped_is_undone(void **state) {
 static void the_page_has_the_rules(void **state) {
     static char page[1 << 16];
     char path[1024], row[512];
-    (void)state;
     (void)snprintf(path, sizeof path, "%s/docs/check.md", getenv("SV_SOURCE_DIR"));
     FILE *file = fopen(path, "r");
     assert_non_null(file);
@@ -314,20 +296,10 @@ static void the_page_has_the_rules(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_right_gives_nothing_to_say),
-        cmocka_unit_test(stop_makes_errors),
-        cmocka_unit_test(off_is_the_plugin_itself),
-        cmocka_unit_test(repeated_breaches_are_told_less_and_less),
-        cmocka_unit_test(a_failed_call_leaves_no_nan),
-        cmocka_unit_test(a_file_beside_it_has_the_settings),
-        cmocka_unit_test(an_installation_needs_no_setting),
-        cmocka_unit_test(what_cannot_be_used_is_told),
-        cmocka_unit_test(destroy_waits_for_what_is_under_way),
-        cmocka_unit_test(what_passes_is_recorded),
-        cmocka_unit_test(an_activation_that_is_stopped_is_undone),
-        cmocka_unit_test(the_page_has_the_rules),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(what_is_right_gives_nothing_to_say),
+          cmocka_unit_test(stop_makes_errors), cmocka_unit_test(off_is_the_plugin_itself),
+          cmocka_unit_test(repeated_breaches_are_told_less_and_less),
+          cmocka_unit_test(a_failed_call_leaves_no_nan), cmocka_unit_test(a_file_beside_it_has_the_settings),
+          cmocka_unit_test(an_installation_needs_no_setting), cmocka_unit_test(what_cannot_be_used_is_told),
+          cmocka_unit_test(destroy_waits_for_what_is_under_way), cmocka_unit_test(what_passes_is_recorded),
+          cmocka_unit_test(an_activation_that_is_stopped_is_undone), cmocka_unit_test(the_page_has_the_rules))

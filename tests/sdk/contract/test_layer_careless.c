@@ -12,21 +12,15 @@
 #include "smartvis/spline.h"
 #include "smartvis/timing.h"
 #include "support/layer_fixture.h"
+#include "support/unit.h"
 
 #include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 typedef struct {
     layer_subject *s;
@@ -266,7 +260,6 @@ static const char *const right[] = {"smartvis", "examples/first_edge", "examples
 enum { RIGHT = sizeof right / sizeof *right, KERNELS = 2 };
 
 static void no_right_plugin_is_blamed(void **state) {
-    (void)state;
     (void)setenv("SMARTVIS_CHECK_MS", "60000", 1);
     for (uint32_t n = 0; n < RIGHT; n++)
         for (uint32_t queue = 0; queue < 2; queue++) {
@@ -344,7 +337,6 @@ static bool is_told(const sight *seen, int status) {
 
 static void what_a_careless_host_finds_is_named(void **state) {
     int bad = 0, tried = 0;
-    (void)state;
     sight *seen = mmap(NULL, sizeof *seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     for (int n = 0; n < FAMILY; n++) {
         int status = 0;
@@ -382,7 +374,6 @@ static void *disturb(void *context) {
 }
 
 static void two_threads_are_the_hosts_fault(void **state) {
-    (void)state;
     for (uint32_t n = 0; n < RIGHT; n++) {
         pthread_t other;
         careless *c = open_host(right[n], 1, n == KERNELS);

@@ -6,15 +6,9 @@
 #include "rules/rules.h"
 #include "smartvis/confidence.h"
 #include "support/layer_fixture.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 /* ---- what a host does that is wrong */
 static void unknown_id(layer_subject *s) {
@@ -269,7 +263,6 @@ static const char *find(const layer_subject *s, rule_name name) {
 static void every_rule_is_broken_and_named(void **state) {
     bool broken[RULE_COUNT] = {false};
     int bad = 0;
-    (void)state;
     (void)setenv("SMARTVIS_CHECK_MS", "2", 1);
     for (int n = 0; n < CASES; n++) {
         const rule_name name = cases[n].rule;
@@ -297,7 +290,4 @@ static void every_rule_is_broken_and_named(void **state) {
             fail_msg("%s is %s here", rules[n].id, broken[n] ? "seen" : "not broken");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_rule_is_broken_and_named)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(every_rule_is_broken_and_named))

@@ -7,16 +7,9 @@
 #include "smartvis/needs.h"
 #include "smartvis/timing.h"
 #include "support/rig.h"
+#include "support/unit.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 /* Returns the device's facts in the form that the header asks for. */
 static sv_needs_device facts_of(const rig *r) {
@@ -257,11 +250,5 @@ static void what_cannot_be_is_refused(void **state) {
     assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_FORMAT);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        RIG_TEST(told_is_taken),
-        RIG_TEST(the_device_counts),
-        RIG_TEST(what_cannot_be_is_refused),
-    };
-    return cmocka_run_group_tests_name("needs", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(told_is_taken), RIG_TEST(the_device_counts),
+          RIG_TEST(what_cannot_be_is_refused))

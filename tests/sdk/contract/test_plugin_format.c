@@ -5,15 +5,9 @@
  */
 #include "smartvis/lookup.h"
 #include "support/fixture.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 #define FIELD(name) offsetof(sv_format, name)
 
@@ -235,11 +229,6 @@ static void values_as_text(void **state) {
     fixture_refused_anywhere(f, p->param_text(p, 1, 0, text, 0), SV_ERR_ARGUMENT, "no room");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        FIXTURE_TEST(format_fields),          FIXTURE_TEST(opencl_objects),
-        FIXTURE_TEST_ACTIVE(values_beyond),   FIXTURE_TEST_ACTIVE(fixed_parameters),
-        FIXTURE_TEST_ACTIVE(lists_of_values), FIXTURE_TEST(values_as_text),
-    };
-    return cmocka_run_group_tests_name("format and parameters", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(format_fields), FIXTURE_TEST(opencl_objects),
+          FIXTURE_TEST_ACTIVE(values_beyond), FIXTURE_TEST_ACTIVE(fixed_parameters),
+          FIXTURE_TEST_ACTIVE(lists_of_values), FIXTURE_TEST(values_as_text))

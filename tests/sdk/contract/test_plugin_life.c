@@ -6,16 +6,10 @@
  */
 #include "programs/shared_programs.h"
 #include "support/fixture.h"
+#include "support/unit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static void destroyed_while_active(void **state) {
     fixture *f = *state;
@@ -101,7 +95,6 @@ static int run_child(const char *call, const char *variable, const char *value) 
 }
 
 static void no_device(void **state) {
-    (void)state;
     char folder[] = "/tmp/sv_no_driver_XXXXXX";
     assert_non_null(mkdtemp(folder));
     const int code = run_child("child_without_device", "OCL_ICD_VENDORS", folder);

@@ -5,15 +5,10 @@
  */
 #include "support/fixture.h"
 #include "support/surfaces.h"
+#include "support/unit.h"
 #include "validate/spy/cl_spy.h"
 
 #include <inttypes.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static void choose(fixture *f, uint32_t carrier, double method, double reduction) {
     const rig_format how = {.carrier = carrier,
@@ -104,9 +99,5 @@ static void the_largest_format(void **state) {
     fixture_frame_is_good(f);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {FIXTURE_TEST(the_sum_is_that_of_the_buffers),
-                                       FIXTURE_TEST(no_buffer_is_too_large),
-                                       FIXTURE_TEST(the_largest_format)};
-    return cmocka_run_group_tests_name("device memory", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(the_sum_is_that_of_the_buffers), FIXTURE_TEST(no_buffer_is_too_large),
+          FIXTURE_TEST(the_largest_format))

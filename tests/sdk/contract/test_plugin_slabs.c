@@ -4,13 +4,7 @@
  * carrier. Guard bands around maps, and slabs that end where their bytes do, are sv_validate's.
  */
 #include "support/fixture.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support/unit.h"
 
 /* A slab that must be refused; afterwards the frame is over and the next one is good. */
 static void refused_slab(fixture *f, uint32_t before, sv_slab slab, sv_status status, const char *text) {
@@ -274,16 +268,7 @@ static void slabs_are_unchanged(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        FIXTURE_TEST_ACTIVE(slab_order),
-        FIXTURE_TEST_ACTIVE(slab_shape),
-        FIXTURE_TEST(memory_that_was_not_registered),
-        FIXTURE_TEST(wrong_buffers),
-        FIXTURE_TEST(wrong_images),
-        FIXTURE_TEST_ACTIVE(wrong_results),
-        FIXTURE_TEST_ACTIVE(depth_in_a_buffer),
-        FIXTURE_TEST(slabs_are_unchanged),
-    };
-    return cmocka_run_group_tests_name("slabs and results", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST_ACTIVE(slab_order), FIXTURE_TEST_ACTIVE(slab_shape),
+          FIXTURE_TEST(memory_that_was_not_registered), FIXTURE_TEST(wrong_buffers),
+          FIXTURE_TEST(wrong_images), FIXTURE_TEST_ACTIVE(wrong_results),
+          FIXTURE_TEST_ACTIVE(depth_in_a_buffer), FIXTURE_TEST(slabs_are_unchanged))

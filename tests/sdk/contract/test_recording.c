@@ -7,16 +7,10 @@
 #include "record/rec.h"
 #include "record/rec_item.h"
 #include "support/rig.h"
+#include "support/unit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { WIDTH = 21, HEIGHT = 17, SLICES = 14, RAYS = WIDTH * HEIGHT };
 
@@ -351,7 +345,6 @@ static void what_was_not_finished_is_kept(void **state) {
     static const char *const lines[] = {"crashes", "crashes, too", "ends", "ends, too"};
     static const char *const kept[] = {"", "crashes", "crashes, too", "crashes, too"};
     char path[64], before[80], error[300], line[64];
-    (void)state;
     (void)snprintf(path, sizeof path, "/tmp/test_recording_%d", (int)getpid());
     (void)snprintf(before, sizeof before, "%s.before", path);
     for (int n = 0; n < 4; n++) {
@@ -381,7 +374,6 @@ static void what_was_not_finished_is_kept(void **state) {
 
 static void options_are_checked(void **state) {
     static const char *const bad[] = {"frames=0", "frames=x", "frames=3x", "voxels=maybe", "all"};
-    (void)state;
     char error[300];
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         assert_null(rec_open("/tmp/never", bad[i], error, sizeof error));
@@ -391,12 +383,6 @@ static void options_are_checked(void **state) {
     assert_non_null(strstr(error, "/nowhere/x: No such file"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        RIG_TEST(carriers_come_back),          RIG_TEST(an_old_one_is_read),
-        RIG_TEST(a_ring_keeps_the_last),       RIG_TEST(what_is_not_whole_is_told),
-        RIG_TEST(a_fork_adds_nothing),         cmocka_unit_test(what_was_not_finished_is_kept),
-        cmocka_unit_test(options_are_checked),
-    };
-    return cmocka_run_group_tests_name("recording", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, RIG_TEST(carriers_come_back), RIG_TEST(an_old_one_is_read),
+          RIG_TEST(a_ring_keeps_the_last), RIG_TEST(what_is_not_whole_is_told), RIG_TEST(a_fork_adds_nothing),
+          cmocka_unit_test(what_was_not_finished_is_kept), cmocka_unit_test(options_are_checked))

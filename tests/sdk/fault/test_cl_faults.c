@@ -6,14 +6,8 @@
  */
 #include "support/compare.h"
 #include "support/fixture.h"
+#include "support/unit.h"
 #include "validate/spy/cl_spy.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static const cl_int CODE = CL_OUT_OF_HOST_MEMORY;
 static const char NAME[] = "CL_OUT_OF_HOST_MEMORY (-6)";
@@ -261,15 +255,6 @@ static void stage_times_of_a_failing_query(void **state) {
     assert_int_equal(stats->stage_times(p, &times), SV_OK);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        FIXTURE_TEST(activate_own_queue),
-        FIXTURE_TEST(activate_host_queue),
-        FIXTURE_TEST(activate_with_wide_vectors),
-        FIXTURE_TEST(frames),
-        FIXTURE_TEST(a_lost_device),
-        FIXTURE_TEST(outputs_and_timing),
-        FIXTURE_TEST(stage_times_of_a_failing_query),
-    };
-    return cmocka_run_group_tests_name("OpenCL faults", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(activate_own_queue), FIXTURE_TEST(activate_host_queue),
+          FIXTURE_TEST(activate_with_wide_vectors), FIXTURE_TEST(frames), FIXTURE_TEST(a_lost_device),
+          FIXTURE_TEST(outputs_and_timing), FIXTURE_TEST(stage_times_of_a_failing_query))

@@ -5,15 +5,11 @@
  */
 #include "support/fixture.h"
 #include "support/surfaces.h"
+#include "support/unit.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static const cl_int CODE = CL_OUT_OF_HOST_MEMORY;
 
@@ -143,9 +139,5 @@ static void wrong_answers_are_noticed(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {FIXTURE_TEST(activations_fail),
-                                       FIXTURE_TEST(wrong_answers_are_noticed), FIXTURE_TEST(frames_fail),
-                                       FIXTURE_TEST(allocations_fail)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(activations_fail), FIXTURE_TEST(wrong_answers_are_noticed),
+          FIXTURE_TEST(frames_fail), FIXTURE_TEST(allocations_fail))

@@ -6,15 +6,9 @@
  */
 #include "programs/shared_programs.h"
 #include "support/fixture.h"
+#include "support/unit.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 static void need_the_heap(void) {
     if (heap_spy_works()) return;
@@ -60,7 +54,4 @@ static void build_log(void **state) {
     fixture_frame_is_good(f);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {FIXTURE_TEST(create), FIXTURE_TEST(build_log)};
-    return cmocka_run_group_tests_name("heap faults", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(create), FIXTURE_TEST(build_log))
