@@ -146,7 +146,6 @@ static void means_are_near_the_exact_ones(void **state) {
 
 /* The measure can tell: a volume that is five levels too bright is five levels off. */
 static void a_wrong_volume_is_told(void **state) {
-    (void)state;
     hs_error err = {0};
     hs_volume v;
     hs_camera camera;

@@ -173,7 +173,6 @@ static void check_histogram(const char *name, const hs_volume *v) {
 }
 
 static void findings_of_the_thesis(void **state) {
-    (void)state;
     double error[9], sum = 0.0, sum_high = 0.0;
     uint8_t *low = malloc((size_t)LOW * PIXELS);
     sv_ref_ray *rays = malloc(PIXELS * sizeof *rays);

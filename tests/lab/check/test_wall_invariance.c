@@ -6,15 +6,9 @@
  */
 #include "judge/judge.h"
 #include "support/rig.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 enum { MAX_CASES = 9 };
 /* The first three of our scenes. */

@@ -2,13 +2,9 @@
 /* A case with its truth, as a turned camera sees it (wall_case_tilt): where voxels, ends of rays and
  * labels come to lie. */
 #include "judge/judge.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { N = 40, PLANE = N * N, BACK = 24, HIDES = 8, FIRST = 2 };
 
@@ -52,7 +48,6 @@ static wall_case turned(double about_x, double about_y) {
 
 /* A quarter turn about x puts voxels on voxels: y becomes z, and z runs against y. */
 static void quarter_turn(void **state) {
-    (void)state;
     wall_case c = make(), t = turned(90.0, 0.0);
     for (uint32_t z = 1; z + 1 < N; z++)
         for (uint32_t y = 1; y + 1 < N; y++)
@@ -70,7 +65,6 @@ static void quarter_turn(void **state) {
 
 /* Turned a little, the back rises to one side by the tangent; labels stay on what they were on. */
 static void small_turn(void **state) {
-    (void)state;
     const double middle = 0.5 * (N - 1), degrees = 12.0, angle = degrees * acos(-1.0) / 180.0;
     wall_case t = turned(0.0, degrees);
     uint32_t rays = 0;
