@@ -44,7 +44,7 @@ KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 INTEL_TESTS := ^check/test_(formats|mean|method_hard|methods|reduction|scanned|wall|wall_answer)$$
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites scans surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -198,6 +198,17 @@ sites: setup # methods on scenes and on SITES: table, harm, near fields, flicker
 	$(foreach field,$(NEAR_FIELDS),build/sv_judge wall --scenes 201,0 $(foreach site,$(SITES),--site $(site)) $(call near_field,$(field)) &&) true
 	build/sv_judge flicker
 	$(if $(SITES),build/sv_judge reverse $(CHOICE) $(FOREIGN))
+
+# Every scene in a box, and as a probe's file.
+SCENES := E01 E02 E03 E04 M01 M02 M03 D01 D02 $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,H$(n))
+vol_case = --case $(OUT)/scans/$(1)_full.vol,$(OUT)/scans/$(1)_truth.vol,$(OUT)/scans/$(1)_label.mha
+
+scans: setup # verdict, error, cut, left of scenes, SITES and the scans in DATA, with beams told, the pose alone, nothing: ten minutes
+	@$(call build,build,,sv_judge smartvis host_sim)
+	@$(call step,scenes) build/host_sim scenes --all --hard --size 128 --export --format vol --out $(OUT)/scans
+	@build/sv_judge scans --method method=wall --method 'method=wall unsure=clip' $(foreach scene,$(SCENES),--scene $(scene) $(call vol_case,$(scene))) \
+	  $(foreach site,$(SITES),--site $(site))
+	@build/sv_judge scans $(foreach scan,$(filter-out %_label.mha,$(wildcard $(DATA)/real/*.mha $(DATA)/fetal_head_*.mha)),--volume $(scan))
 
 # A case of a site: its three files, and what was scanned of every ray, of the case or of all.
 stem = $(patsubst %_full.mha,%,$(1))

@@ -27,6 +27,7 @@ typedef struct {
     float *truth;          /* per ray: slice at which it ends in the ground truth; NULL with `label` */
     uint8_t *clean;        /* the ground truth: `full` without what hides; NULL with `label` */
     float *near, *far;     /* per labelled ray: the admissible clipping depths, slices; NULL: not known */
+    sv_frame told;         /* what its frame tells of probe and beams; zeros: nobody knows */
 } wall_case;
 
 /* Copies a case of the report: its volume, truth and label. Voxels of 0 were not scanned. */
@@ -98,10 +99,13 @@ typedef struct {
     double deep, shallow;
 } wall_score;
 
-/* Labelled rays by confidence, right ones (error at most 2 slices) and wrong ones. Scores are added to it. */
+/* Labelled rays by confidence: right ones (error at most 2 slices), wrong ones, and those of these that end
+ * too deep. Scores are added to it. */
 typedef struct {
-    uint64_t right[WALL_BINS], wrong[WALL_BINS];
+    uint64_t right[WALL_BINS], wrong[WALL_BINS], cut[WALL_BINS];
 } wall_calibration;
+
+void wall_calibration_add(wall_calibration *to, const wall_calibration *from);
 
 /* Slice at which ray `pixel` ends when it starts at a surface of that depth. */
 float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth);
@@ -109,14 +113,15 @@ float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, floa
 wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,
                       const float *confidence, wall_calibration *calibration);
 
-/* Area under the ROC curve of the confidence as a predictor of wrong rays. */
-double wall_auc(const wall_calibration *t);
-
-/* Share of all rays that end on tissue and end more than 2 slices deeper when they start at the surface. */
-double wall_cut_anywhere(const wall_case *c, const float *depth);
+/* Area under the ROC curve of the confidence as a predictor of wrong rays, or of some of them. */
+typedef enum { WALL_WRONG, WALL_CUT, WALL_LEFT } wall_fault;
+double wall_auc(const wall_calibration *t, wall_fault fault);
 
 /* ------------------------------------------------------------------------------------ scores of a site -- */
 /* What judgements add up to over the cases of a site. */
+
+/* What a method says of a volume; doubtful: whether it clips or not. */
+typedef enum { SURF_SURE, SURF_DOUBTFUL, SURF_REFUSED, SURF_ANSWERS } surf_answer;
 
 /* Sums of wall_judge's scores. Zeroed: none yet. */
 typedef struct {
@@ -125,6 +130,7 @@ typedef struct {
     char worst_name[64];
     uint32_t count;
     uint32_t refused; /* cases that the method does not clip */
+    uint32_t answers[SURF_ANSWERS];
     wall_calibration calibration;
 } site_score;
 
@@ -208,6 +214,8 @@ void site_free(site_list *list);
 /* A plugin at work on cases in memory, known by its ABI only: one instance with its settings, active for
  * whatever size came last. */
 
+typedef enum { SURF_NOTHING, SURF_POSE, SURF_BEAMS } surf_told;
+
 /* Owned by the caller; must not move while open. */
 typedef struct {
     hs_plugin plugin;
@@ -220,6 +228,8 @@ typedef struct {
     float *confidence;  /* the same: 0 .. 1; all 0 if there is none */
     bool sure;          /* the method gives a confidence */
     sv_status outcome;
+    surf_told told; /* how much of wall_case.told it is told */
+    surf_answer answer;
 } surf_session;
 
 /* Opens a library; `settings` are "key=value" texts, parted by spaces. HS_ERR_PLUGIN or HS_ERR_USAGE. */
@@ -260,6 +270,15 @@ bool site_judge(surf_session *s, const site_set *set, bool best_q, site_score *o
 
 /* Prints the table, every case's errors, and how well the confidences are calibrated. */
 bool site_table(const site_list *list, const site_methods *methods, hs_error *err);
+
+/* ----------------------------------------------------------------------------------------------- scans -- */
+/* What a person who scans gets: verdicts and surfaces with beams told, the pose alone, nothing. */
+
+/* Prints a row for every set, method and what is told. Then the volumes from turned cameras, as a host hands
+ * them over: FILE with FILE_label.mha beside it (voxels: 1, 5 tissue, 2 fluid, 3 fetus, 4 cord, 6 and more
+ * doubtful) by its labels from 23 views; others, which nothing hides, from 54; and an orbit of 200 frames. */
+bool site_scans(const site_list *list, const char *const *volumes, uint32_t count,
+                const site_methods *methods, hs_error *err);
 
 /* -------------------------------------------------------------------------------------------- variants -- */
 /* Volumes on which clipping can only do harm, made from cases of a site and from volumes without a truth. */
@@ -376,8 +395,7 @@ typedef struct {
     bool help;
 } judge_request;
 
-/* The definition of wall on every case, with what it knows of it; on scenes that stand still; on the volumes
- * from 36 sides. */
+/* The definition of wall on every case, with what it knows of it; on scenes that stand still. */
 bool judge_wall(judge_request *request, hs_error *err);
 
 #endif

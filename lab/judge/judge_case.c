@@ -3,6 +3,8 @@
  * scene. */
 #include "judge/judge.h"
 
+#include "render/camera.h"
+#include "volume/fan_fit.h"
 #include "volume/metaimage.h"
 
 #include <limits.h>
@@ -34,8 +36,25 @@ sv_wall_volume wall_case_volume(const wall_case *c) {
                             .spacing_mm = {c->spacing_mm[0], c->spacing_mm[1], c->spacing_mm[2]}};
 }
 
+/* What is known of probe and beams, along the volume's axes. */
+static sv_frame told_of(const hs_volume *v) {
+    static const double straight[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+    hs_camera camera;
+    hs_told told;
+    hs_camera_turn(&camera, v, straight);
+    hs_camera_tell(&camera, v, (const uint32_t[3]){v->nx, v->ny, v->nz}, &told);
+    sv_frame frame = {.beams = told.beams, .beam_sweep_mm = told.sweep_mm};
+    memcpy(frame.probe_rotation, told.rotation, sizeof frame.probe_rotation);
+    memcpy(frame.probe_side, told.side, sizeof frame.probe_side);
+    for (int a = 0; told.beams == SV_BEAMS_FAN && a < 3; a++)
+        frame.beam_apex_mm[a] = (float)(v->course.apex[a] - 0.5 * v->spacing[a]);
+    return frame;
+}
+
 /* Takes the voxels of a volume; it is empty afterwards. */
 static void take(wall_case *c, hs_volume *v, const char *name) {
+    if (v->course.kind == HS_BEAMS_UNKNOWN) hs_volume_find_beams(v);
+    c->told = told_of(v);
     (void)snprintf(c->name, sizeof c->name, "%.63s", name);
     c->nx = v->nx;
     c->ny = v->ny;
@@ -353,7 +372,8 @@ static uint8_t label_at(const wall_case *c, const double at[3]) {
 static bool make_room(const wall_case *c, wall_case *to) {
     const size_t plane = (size_t)c->nx * c->ny;
     *to = *c;
-    to->near = to->far = NULL; /* they hold for the rays of `c` */
+    to->near = to->far = NULL; /* they hold for the rays of `c`, and so does what it tells */
+    to->told = (sv_frame){0};
     to->full = calloc(plane, c->nz);
     to->clean = calloc(plane, c->nz);
     to->first = calloc(plane, sizeof *to->first);

@@ -67,10 +67,7 @@ static bool evaluate(const site_set *set, const sv_wall_settings *settings, site
     for (uint32_t n = 0; ok && n < set->count; n++) {
         ok = e->ok[n] || hs_fail(err, HS_ERR_INPUT, "%s: the definition refuses it", set->cases[n].name);
         site_score_add(out, set->cases[n].name, &e->score[n]);
-        for (int i = 0; i < WALL_BINS; i++) {
-            out->calibration.right[i] += e->calibration[n].right[i];
-            out->calibration.wrong[i] += e->calibration[n].wrong[i];
-        }
+        wall_calibration_add(&out->calibration, &e->calibration[n]);
     }
     if (e) free(e->calibration);
     free(e);
@@ -198,8 +195,9 @@ static bool print_on(const protocol *p, const sv_wall_settings *settings, hs_err
         printf("    on %-24.24s ", p->list->set[i].title);
         const wall_score m = site_score_mean(&score);
         printf("%5.2f / %5.2f / %5.2f  worst %5.2f %-4s  AUC %.3f  relative to as it is %.2f%s\n", m.error,
-               100.0 * m.cut, 100.0 * m.left, score.worst, score.worst_name, wall_auc(&score.calibration),
-               relative(&m, &p->as_it_is[i]), i == p->left_out ? ", judged" : "");
+               100.0 * m.cut, 100.0 * m.left, score.worst, score.worst_name,
+               wall_auc(&score.calibration, WALL_WRONG), relative(&m, &p->as_it_is[i]),
+               i == p->left_out ? ", judged" : "");
     }
     return true;
 }

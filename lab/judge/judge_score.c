@@ -41,10 +41,10 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
         const int bin = (int)(confidence[i] * (WALL_BINS - 1) + 0.5f);
         hs_eval_count(by_label, c->label[i], e, true, tolerance);
         if (c->label[i] == HS_LABEL_FETUS && c->far) judge_interval(c, i, depth[i], &deep, &shallow);
-        if ((uint32_t)abs(e) > tolerance)
-            calibration->wrong[bin]++;
-        else
-            calibration->right[bin]++;
+        const bool wrong = (uint32_t)abs(e) > tolerance;
+        calibration->right[bin] += !wrong;
+        calibration->wrong[bin] += wrong;
+        calibration->cut[bin] += wrong && e < 0;
     }
     hs_eval_measures(by_label, &m);
     const double fetus = by_label[1].rays ? by_label[1].rays : 1.0;
@@ -56,12 +56,22 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
                         .shallow = c->far ? (double)shallow / fetus : NAN};
 }
 
-double wall_auc(const wall_calibration *t) {
+void wall_calibration_add(wall_calibration *to, const wall_calibration *from) {
+    for (int i = 0; i < WALL_BINS; i++) {
+        to->right[i] += from->right[i];
+        to->wrong[i] += from->wrong[i];
+        to->cut[i] += from->cut[i];
+    }
+}
+
+double wall_auc(const wall_calibration *t, wall_fault fault) {
     double right = 0.0, wrong = 0.0, pairs = 0.0;
     for (int i = 0; i < WALL_BINS; i++) { /* rays of less confidence have been counted */
-        pairs += (double)t->right[i] * (wrong + 0.5 * (double)t->wrong[i]);
+        const uint64_t cut = t->cut[i], all = t->wrong[i];
+        const double here = (double)(fault == WALL_CUT ? cut : fault == WALL_LEFT ? all - cut : all);
+        pairs += (double)t->right[i] * (wrong + 0.5 * here);
         right += (double)t->right[i];
-        wrong += (double)t->wrong[i];
+        wrong += here;
     }
     return right > 0.0 && wrong > 0.0 ? pairs / (right * wrong) : 1.0;
 }
@@ -83,19 +93,6 @@ static bool wall_reliability(const wall_calibration *t, double low, double high,
     *right = (double)good / (double)all;
     *mean = sum / (double)all;
     return true;
-}
-
-double wall_cut_anywhere(const wall_case *c, const float *depth) {
-    const size_t plane = (size_t)c->nx * c->ny;
-    const float scale = 128.0f / (float)c->nz;
-    uint64_t rays = 0, cut = 0;
-    for (size_t i = 0; i < plane; i++) {
-        const float whole = hs_eval_ray_end(c->full, plane, c->nz, i, 0);
-        if (whole >= (float)c->nz) continue;
-        rays++;
-        cut += scale * (wall_ray_end(c, c->full, i, depth[i]) - whole) > TOLERANCE;
-    }
-    return rays ? (double)cut / (double)rays : 0.0;
 }
 
 /* ---------------------------------------------------------------------------------------------- a site -- */
@@ -127,7 +124,8 @@ void site_score_print(const site_score *s, bool sure) {
     printf("%5.2f / %5.2f / %5.2f  worst %5.2f %-4s", m.error, 100.0 * m.cut, 100.0 * m.left, s->worst,
            s->worst_name);
     if (sure)
-        printf("  AUC %.3f", wall_auc(&s->calibration));
+        printf("  AUC %.3f (cut %.3f, left %.3f)", wall_auc(&s->calibration, WALL_WRONG),
+               wall_auc(&s->calibration, WALL_CUT), wall_auc(&s->calibration, WALL_LEFT));
     else
         printf("  no confidence");
     if (s->refused) printf("  %u refused", s->refused);

@@ -112,6 +112,16 @@ static bool activate(surf_session *s, const wall_case *c, hs_error *err) {
     return s->active;
 }
 
+/* What the frame tells of the case's probe and beams. */
+static sv_frame told_of(surf_told told, const wall_case *c) {
+    if (told == SURF_BEAMS) return c->told;
+    sv_frame frame = {0};
+    if (told == SURF_NOTHING) return frame;
+    memcpy(frame.probe_rotation, c->told.probe_rotation, sizeof frame.probe_rotation);
+    memcpy(frame.probe_side, c->told.probe_side, sizeof frame.probe_side);
+    return frame;
+}
+
 bool surf_session_frame(surf_session *s, const wall_case *c, hs_error *err) {
     const sv_plugin *p = s->plugin.instance;
     const size_t rays = (size_t)c->nx * c->ny;
@@ -119,12 +129,19 @@ bool surf_session_frame(surf_session *s, const wall_case *c, hs_error *err) {
     for (size_t i = 0; i < rays; i++) s->scanned[i] = (sv_scanned){c->first[i], c->end[i]};
     stage_fill(&s->stage, c->full, s->scanned);
     stage_poison(&s->stage, 0);
+    s->stage.told = told_of(s->told, c);
     const sv_result result = stage_result(&s->stage);
     s->outcome = stage_run(&s->stage, p, s->values.at, s->values.count, &result);
     memset(s->confidence, 0, rays * sizeof *s->confidence);
-    return hs_plugin_check(&s->plugin, s->outcome, "a frame", err) &&
-           (!s->sure || hs_plugin_check(&s->plugin, hs_plugin_confidence(p)->read(p, s->confidence, NULL),
-                                        "confidence", err));
+    sv_confidence_report report = {.size = sizeof report};
+    const bool done =
+        hs_plugin_check(&s->plugin, s->outcome, "a frame", err) &&
+        (!s->sure || hs_plugin_check(&s->plugin, hs_plugin_confidence(p)->read(p, s->confidence, &report),
+                                     "confidence", err));
+    s->answer = report.reason == SV_REASON_DOUBTFUL ? SURF_DOUBTFUL
+                : surf_session_clips(s)             ? SURF_SURE
+                                                    : SURF_REFUSED;
+    return done;
 }
 
 bool surf_session_clips(const surf_session *s) {

@@ -192,6 +192,7 @@ bool site_judge(surf_session *s, const site_set *set, bool best_q, site_score *o
         if (!judge_case(s, &set->cases[n], &out->calibration, &score, err)) return false;
         site_score_add(out, set->cases[n].name, &score);
         out->refused += !surf_session_clips(s);
+        out->answers[s->answer]++;
         if (each) each[n] = score;
     }
     return true;

@@ -53,7 +53,7 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
 /* ------------------------------------------------------------------------------------------ definition -- */
 /* The definition of the wall's surface on cases, with any of its constants changed. */
 
-enum { VIEW_SIDE = 96, VIEWS = 36, STILL_FRAMES = 8 };
+enum { STILL_FRAMES = 8 };
 
 wall_change wall_change_none(void) {
     return (wall_change){.settings = sv_wall_settings_default(), .gain = 1.0, .gamma = 1.0, .near_gain = 1.0};
@@ -122,13 +122,6 @@ static void print_case(const wall_case *c, const wall_score *s, const answer *a)
            f->wall, f->spread, f->rays ? 100.0 * f->wall_rays / f->rays : 0.0);
 }
 
-static void add_calibration(wall_calibration *to, const wall_calibration *from) {
-    for (int i = 0; i < WALL_BINS; i++) {
-        to->right[i] += from->right[i];
-        to->wrong[i] += from->wrong[i];
-    }
-}
-
 /* The case is turned and gets other levels before; it is judged on its own levels. `clipped`: of cases that
  * were not refused. */
 static bool judge_case(wall_case *c, const wall_change *o, site_score *score, wall_calibration *clipped,
@@ -151,9 +144,9 @@ static bool judge_case(wall_case *c, const wall_change *o, site_score *score, wa
         const wall_score s = wall_judge(c, original, a.depth, a.confidence, &own);
         const bool tried = a.outcome == SV_WALL_DOUBTFUL && o->settings.clip_doubtful;
         site_score_add(score, c->name, &s);
-        add_calibration(&score->calibration, &own);
+        wall_calibration_add(&score->calibration, &own);
         if (a.outcome == SV_WALL_SURFACE || tried)
-            add_calibration(clipped, &own);
+            wall_calibration_add(clipped, &own);
         else
             score->refused++;
         print_case(c, &s, &a);
@@ -173,7 +166,9 @@ static bool judge_set(site_set *set, const wall_change *o, hs_error *err) {
     site_score_print(&score, true);
     site_score_print_fetus(&score);
     site_score_print_calibration("wall", &score.calibration);
-    if (score.refused) printf("  without the refused: AUC %.3f\n", wall_auc(&clipped));
+    if (score.refused)
+        printf("  without the refused: AUC %.3f, cut %.3f, left %.3f\n", wall_auc(&clipped, WALL_WRONG),
+               wall_auc(&clipped, WALL_CUT), wall_auc(&clipped, WALL_LEFT));
     return true;
 }
 
@@ -211,41 +206,10 @@ static bool judge_still(const judge_request *r, hs_error *err) {
     return true;
 }
 
-static bool judge_view(const wall_case *c, const wall_change *o, double *worst, int *refused, hs_error *err) {
-    answer a;
-    const bool ok = ask(c, o, &a, err);
-    if (ok) {
-        const double cut = wall_cut_anywhere(c, a.depth);
-        *worst = fmax(*worst, cut);
-        *refused += a.outcome != SV_WALL_SURFACE;
-        printf("  %s: outcome %d, cut %.1f %%, gap share %.2f, fetus on %.0f %%\n", c->name, (int)a.outcome,
-               100.0 * cut, a.facts.gap_share, 100.0 * a.facts.fetus);
-    }
-    free_answer(&a);
-    return ok;
-}
-
-static bool judge_views(const char *path, const wall_change *o, hs_error *err) {
-    double worst = 0.0;
-    int refused = 0;
-    wall_case whole;
-    if (!wall_case_open(path, &whole, err)) return false;
-    bool ok = true;
-    for (int i = 0; ok && i < VIEWS; i++) {
-        wall_case c = {0};
-        ok = site_view_make(&whole, i, VIEW_SIDE, &c, err) && judge_view(&c, o, &worst, &refused, err);
-        wall_case_free(&c);
-    }
-    wall_case_free(&whole);
-    if (ok) printf("views: %d of %d refused, at most %.1f %% cut\n", refused, VIEWS, 100.0 * worst);
-    return ok;
-}
-
 bool judge_wall(judge_request *r, hs_error *err) {
-    const bool nothing_given = r->sites.count == 0 && r->volume_count == 0 && !r->still;
+    const bool nothing_given = r->sites.count == 0 && !r->still;
     bool ok = !nothing_given || site_add_scenes(&r->sites, "201,0", err);
     for (uint32_t i = 0; ok && i < r->sites.count; i++) ok = judge_set(&r->sites.set[i], &r->wall, err);
     if (ok && r->still) ok = judge_still(r, err);
-    for (uint32_t i = 0; ok && i < r->volume_count; i++) ok = judge_views(r->volumes[i], &r->wall, err);
     return ok;
 }

@@ -22,6 +22,10 @@ static bool judge_harm(judge_request *r, hs_error *err) {
     return site_harm(&r->sites, r->volumes, r->volume_count, &r->methods, err);
 }
 
+static bool judge_scans(judge_request *r, hs_error *err) {
+    return site_scans(&r->sites, r->volumes, r->volume_count, &r->methods, err);
+}
+
 static bool judge_flicker(judge_request *r, hs_error *err) {
     return site_flicker(&r->sites, &r->methods, err);
 }
@@ -36,6 +40,9 @@ static const struct command {
      "every method on every site: error, cut, left, worst case, AUC and calibration of the confidence"},
     {"harm", judge_harm, true,
      "bare cases, cases without a fetus, with a bladder; volumes that nothing hides, from 36 sides"},
+    {"scans", judge_scans, false,
+     "verdict, error, cut, left of every set and of volumes from all sides, with beams told, the pose alone, "
+     "nothing"},
     {"flicker", judge_flicker, false,
      "what the renderings of four moving scenes, or of the frames given by --case, flicker beyond the "
      "truth's"},
@@ -123,8 +130,10 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_site},
     {"case", "FILES", "FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all are one site\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_case},
-    {"volume", "FILE", "harm, wall: a volume that nothing hides, MetaImage\n", HS_OPTION_TAKEN, 0, 0, 0,
-     take_volume},
+    {"volume", "FILE",
+     "harm, scans: a volume that nothing hides, MetaImage; scans: or one with FILE_label.mha beside "
+     "it\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_volume},
     {"method", "SETTINGS",
      "'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q\n"
      "[best method=mean; method=wall]\n",
@@ -175,6 +184,8 @@ static bool parse(int argc, char **argv, judge_request *r, hs_error *err) {
     if (r->help) return true;
     if (next + 1 != argc) return hs_fail(err, HS_ERR_USAGE, "expected one command, %d given", argc - next);
     if (!find_command(argv[next], r, err)) return false;
+    if (r->methods.count == 0 && r->command->run == judge_scans)
+        r->methods.method[r->methods.count++] = (site_method){.settings = "method=wall"};
     if (r->methods.count == 0) r->methods = site_methods_default(r->methods.plugin);
     return r->sites.count > 0 || !r->command->needs_cases || site_add_scenes(&r->sites, "201,0", err);
 }
