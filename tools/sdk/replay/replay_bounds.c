@@ -9,7 +9,7 @@
 #define MIB_FOR_EACH 512.0  /* MiB of the file */
 #define MAX_MIB      65536.0
 #define FREE_S       8.0 /* some hundreds of frames of which the voxels were not kept */
-#define S_FOR_EACH   8.0 /* MiB of the file: five times what frames of 128^3 take that hold no voxels */
+#define S_FOR_EACH   4.0 /* MiB of the file: more than twice what frames of 128^3 take that hold no voxels */
 
 void rp_set_bounds(rp_options *o) {
     struct stat file;

@@ -40,7 +40,7 @@ static const hs_option options[] = {
      NULL},
     {"frame", "N", "which frame is drawn, 0 the first [the last]\n", HS_OPTION_COUNT, AT(frame), 0,
      4294967294.0, NULL},
-    {"seconds", "S", "that it may play, without the first activate [8, and 8 for each MB of the recording]\n",
+    {"seconds", "S", "that it may play, without the first activate [8, and 4 for each MB of the recording]\n",
      HS_OPTION_NUMBER, AT(seconds), 0.1, 1e6, NULL},
     {"list", NULL, "print every call of the recording, and play none\n", HS_OPTION_FLAG, AT(list), 0, 0,
      NULL},
