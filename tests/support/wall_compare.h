@@ -18,7 +18,7 @@ typedef struct {
 /* Knob positions: that of the frame, then those that it is moved to. */
 enum { WALL_PLACES = 4 };
 
-/* The definition's maps at every position; outcome and facts are the same at all of them. */
+/* The definition's maps, NULL at one position; outcome and facts are the same at all of them. */
 typedef struct {
     float *depth[WALL_PLACES], *confidence;
     bool clip_doubtful;
@@ -31,7 +31,9 @@ wall_expected wall_expect(const wall_shape *s, const uint8_t *volume, bool clip_
 void wall_expected_free(wall_expected *e);
 
 /* Compares both layouts, and a doubtful surface with and without clipping there. Returns true if there is a
- * surface. */
+ * surface; `unasked`: the outcome without clipping there. */
+bool wall_compare_outcome(rig *r, const wall_shape *s, const uint8_t *volume, const char *what,
+                          sv_wall_outcome *unasked);
 bool wall_compare(rig *r, const wall_shape *s, const uint8_t *volume, const char *what);
 
 /* Tissue, fluid and bone in layers of up to `longest` slices, the same for patches of rays but for their

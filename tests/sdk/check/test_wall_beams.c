@@ -238,14 +238,18 @@ static void test_kernels_follow_the_definition(void **state) {
                               .padding = n % 3 ? SV_NO_PADDING : 0,
                               .spacing_mm = {mm, mm, mm},
                               .beams = &beams};
+        sv_wall_outcome unasked = SV_WALL_OPEN;
+        if (n % 3) {
+            uint8_t *noise = wall_layered_noise(96, 96, 96, 30, 20, n);
+            (void)wall_compare_outcome(*state, &s, noise, "beams", &unasked);
+            answers[unasked]++;
+            free(noise);
+            continue;
+        }
         hs_scene_data data;
         make_scene(fan == 1 ? "H11" : fan % 2 ? "E01" : fan == 6 ? "H10" : "D02", 96, 2, 1, 0, &data, NULL);
-        uint8_t *noise = wall_layered_noise(96, 96, 96, 30, 20, n);
-        (void)wall_compare(*state, &s, n % 3 ? noise : data.full.voxels, "beams");
-        wall_expected e = wall_expect(&s, n % 3 ? noise : data.full.voxels, false);
-        answers[e.outcome]++;
-        wall_expected_free(&e);
-        free(noise);
+        (void)wall_compare_outcome(*state, &s, data.full.voxels, "beams", &unasked);
+        answers[unasked]++;
         hs_scene_free(&data);
     }
     print_message("answers: %u %u %u %u %u %u\n", answers[0], answers[1], answers[2], answers[3], answers[4],
