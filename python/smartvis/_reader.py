@@ -382,5 +382,7 @@ def _unreadable(path: Path, error: OSError) -> FileError:
 
 def reason(error: RuntimeError) -> str:
     """The last line of SimpleITK's many, without its places in the source."""
+    if isinstance(error, RecursionError):
+        return "its sequences are nested too deep"
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     return lines[-1].split("ERROR: ")[-1] if lines else "not readable"
