@@ -154,9 +154,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Around all that a header declares, for C++. */
 #ifdef __cplusplus
-extern "C" {
+#define SMARTVIS_BEGIN_C extern "C" {
+#define SMARTVIS_END_C   }
+#else
+#define SMARTVIS_BEGIN_C
+#define SMARTVIS_END_C
 #endif
+
+SMARTVIS_BEGIN_C
 
 #define SV_ABI_MAJOR 1u /* differs: the host must not call anything */
 #define SV_ABI_MINOR 1u /* adds only: any pair of minors works together */
@@ -593,8 +600,6 @@ typedef struct sv_entry {
 
 extern SV_EXPORT const sv_entry smartvis_plugin_entry;
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

@@ -8,9 +8,7 @@
 
 #include "smartvis/author_checks.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 static inline sva *sva_enter(const sv_plugin *plugin) {
     sva *a = (sva *)plugin->plugin_data;
@@ -414,8 +412,6 @@ static inline sv_status sva_create(const sva_method *method, const sv_host *host
     return SV_OK;
 }
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

@@ -9,9 +9,7 @@
 #include "smartvis/author_method.h"
 #include "smartvis/probe.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 enum { SVA_MAX_SIDE = 8192, SVA_MAX_TILE = 16384 };
 
@@ -262,8 +260,6 @@ static inline sv_status sva_check_end(sva *a, const sv_result *r) {
                      (unsigned)a->format.slices);
 }
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

@@ -7,9 +7,7 @@
 #include "smartvis/author.h"
 #include "smartvis/author_objects.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 enum { SVA_CL_OBJECTS = 16 };
 
@@ -358,8 +356,6 @@ static inline sv_status sva_cl_output(sva *a, const sv_result *r) {
                      (unsigned)a->stats.unfilled, (unsigned)a->stats.rays);
 }
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

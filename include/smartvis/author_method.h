@@ -13,9 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 typedef struct sva sva;
 
@@ -227,8 +225,6 @@ SVA_PRINTF(3, 4) static inline sv_status sva_blame(sva *a, sv_status status, con
     return status;
 }
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

@@ -12,9 +12,7 @@
 
 #include "smartvis/author_method.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 /* The name of an OpenCL code, "CL_INVALID_VALUE". */
 static inline const char *sva_cl_name(cl_int code) {
@@ -128,8 +126,6 @@ static inline sv_status sva_cl_check_slab(sva *a, const sv_slab *slab) {
                      (unsigned)format.image_channel_order, (unsigned)format.image_channel_data_type);
 }
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

@@ -9,9 +9,7 @@
 
 #include "smartvis/author_device.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 enum { SVA_TISSUE = 200, SVA_FLUID = 20, SVA_LEAST_SLICES = 6 };
 
@@ -119,8 +117,6 @@ static inline sv_status sva_cl_rehearse(sva *a) {
     return s;
 }
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

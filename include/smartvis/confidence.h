@@ -8,9 +8,7 @@
 
 #include "smartvis_plugin.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 #define SV_EXT_CONFIDENCE "smartvis.confidence/1"
 
@@ -60,8 +58,6 @@ typedef struct sv_ext_confidence {
     sv_status(SV_CALL *write)(const sv_plugin *plugin, float *map, struct _cl_mem *object, uint64_t offset);
 } sv_ext_confidence;
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

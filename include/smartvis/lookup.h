@@ -10,9 +10,7 @@
 
 #include <string.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 /* Longest text of a value that the helper compares, its NUL included. */
 #define SV_LOOKUP_TEXT_BYTES 128
@@ -123,8 +121,6 @@ static inline const char *sv_lookup_status(sv_status status) {
 #undef SV_LOOKUP_NAME
 }
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

@@ -8,9 +8,7 @@
 
 #include "smartvis_plugin.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 #define SV_EXT_NEEDS "smartvis.needs/1"
 
@@ -59,8 +57,6 @@ typedef struct sv_ext_needs {
                            uint32_t value_count, const sv_needs_device *device, sv_needs *out);
 } sv_ext_needs;
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

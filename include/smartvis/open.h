@@ -26,9 +26,7 @@
 #include <dlfcn.h>
 #endif
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 /* Gives a library back that sv_open loaded. No instance of it may live. */
 static inline void sv_close(void *library) {
@@ -66,8 +64,6 @@ static inline const sv_entry *sv_open(const char *path, void **library, char *wh
     return entry;
 }
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

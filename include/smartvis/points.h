@@ -8,9 +8,7 @@
 
 #include "smartvis_plugin.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 #define SV_EXT_POINTS "smartvis.points/1"
 
@@ -34,8 +32,6 @@ typedef struct sv_ext_points {
     sv_status(SV_CALL *write)(const sv_plugin *plugin, sv_points_report *out);
 } sv_ext_points;
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

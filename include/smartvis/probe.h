@@ -29,9 +29,7 @@
 
 #include <stdio.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 #define SV_PROBE_TOLERANCE   0.001f
 #define SV_PROBE_FARTHEST_MM 100000.0f
@@ -120,8 +118,6 @@ static inline int sv_probe_holds(const sv_frame *frame, char *text, size_t bytes
     return 0;
 }
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

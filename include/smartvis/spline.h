@@ -8,9 +8,7 @@
 
 #include "smartvis_plugin.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 #define SV_EXT_SPLINE "smartvis.spline/1"
 
@@ -34,8 +32,6 @@ typedef struct sv_ext_spline {
     sv_status(SV_CALL *report)(const sv_plugin *plugin, sv_spline_report *out);
 } sv_ext_spline;
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif

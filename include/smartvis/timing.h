@@ -8,9 +8,7 @@
 
 #include "smartvis_plugin.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SMARTVIS_BEGIN_C
 
 #define SV_EXT_TIMING "smartvis.timing/1"
 
@@ -38,8 +36,6 @@ typedef struct sv_ext_timing {
     sv_status(SV_CALL *stage_times)(const sv_plugin *plugin, sv_stage_times *out);
 } sv_ext_timing;
 
-#ifdef __cplusplus
-}
-#endif
+SMARTVIS_END_C
 
 #endif
