@@ -11,8 +11,12 @@ static uint32_t next_random(uint32_t *state) {
     return *state >> 8;
 }
 
-static rig_format layout(const rig *r, uint32_t strategy, uint32_t substeps) {
+static rig_format layout(const rig *r, uint32_t strategy, uint32_t substeps, uint32_t width, uint32_t height,
+                         uint32_t slices) {
     return (rig_format){
+        .width = width,
+        .height = height,
+        .slices = slices,
         .padding = SV_NO_PADDING,
         .fixed = {{rig_param(r, "strategy"), 0, strategy}, {rig_param(r, "substeps"), 0, substeps}},
         .fixed_count = 2};
@@ -50,10 +54,7 @@ static void every_kernel(void **state) {
         /* Each build takes a second: padding with every width and with every number of samples, not with
          * both. */
         if (n >= 36 && substeps > 1 && n % 3 != substeps % 3) continue;
-        rig_format f = layout(*state, 1 + n / 3 % 3, substeps);
-        f.width = widths[n % 3];
-        f.height = 37;
-        f.slices = 29;
+        rig_format f = layout(*state, 1 + n / 3 % 3, substeps, widths[n % 3], 37, 29);
         f.slab_slices = 8;
         f.padding = paddings[n / 36];
         const rig_settings s = settings_of(substeps, 7);
@@ -74,10 +75,7 @@ static void sizes(void **state) {
     compare_summary all = {0};
     for (uint32_t n = 0; n < sizeof list / sizeof *list; n++)
         for (uint32_t strategy = 0; strategy <= 3; strategy++) {
-            rig_format f = layout(*state, strategy, 1);
-            f.width = list[n][0];
-            f.height = list[n][1];
-            f.slices = list[n][2];
+            rig_format f = layout(*state, strategy, 1, list[n][0], list[n][1], list[n][2]);
             f.slab_slices = list[n][3];
             f.padding = n % 2 ? 0 : SV_NO_PADDING;
             const rig_settings s = settings_of(1, 23);
@@ -103,10 +101,7 @@ static void carriers_and_tiles(void **state) {
     uint8_t *volume = rig_volume(RIG_LAYERS, 37, 19, 23, 3);
     for (uint32_t w = 0; w < sizeof ways / sizeof *ways; w++)
         for (uint32_t n = 0; n < sizeof tiles / sizeof *tiles; n++) {
-            rig_format f = layout(*state, 1 + (w + n) % 3, 1 + n % 2);
-            f.width = 37;
-            f.height = 19;
-            f.slices = 23;
+            rig_format f = layout(*state, 1 + (w + n) % 3, 1 + n % 2, 37, 19, 23);
             f.slab_slices = 9;
             f.carrier = ways[w].carrier;
             f.own_queue = ways[w].own_queue;
@@ -141,10 +136,7 @@ static void any_split(void **state) {
         uint32_t lengths[SLICES + 1];
         random_split(lengths, SLICES, 1 + n, &seed);
         const uint32_t substeps = 1 + n % 4;
-        rig_format f = layout(*state, 1 + n / 4 % 3, substeps);
-        f.width = 70;
-        f.height = 6;
-        f.slices = SLICES;
+        rig_format f = layout(*state, 1 + n / 4 % 3, substeps, 70, 6, SLICES);
         f.lengths = lengths;
         f.tiles_x = 1 + n % 5;
         f.padding = n % 3 == 0 ? 0 : SV_NO_PADDING;
@@ -161,10 +153,7 @@ static void long_slabs(void **state) {
     compare_summary all = {0};
     for (uint32_t n = 0; n < 12; n++) {
         const uint32_t substeps = 1 + n % 4;
-        rig_format f = layout(*state, 1 + n / 4, substeps);
-        f.width = n % 2 ? 21 : 70;
-        f.height = 4;
-        f.slices = 700;
+        rig_format f = layout(*state, 1 + n / 4, substeps, n % 2 ? 21 : 70, 4, 700);
         f.slab_slices = n % 3 == 0 ? 700 : 255 + n;
         f.tiles_x = 26;
         f.padding = n % 3 == 1 ? 0 : SV_NO_PADDING;
@@ -183,10 +172,7 @@ static void sums_of_64_bits(void **state) {
     assert_false(sv_fixed_format(64, 48, 700, 3, 2).wide);
     compare_summary all = {0};
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-        rig_format f = layout(*state, strategy, 1);
-        f.width = 64;
-        f.height = 48;
-        f.slices = 700;
+        rig_format f = layout(*state, strategy, 1, 64, 48, 700);
         f.slab_slices = 100;
         rig_settings s = settings_of(1, 63);
         compare_kinds(*state, &f, &s, strategy, "sums of 64 bits", &all);

@@ -40,95 +40,91 @@ static void close_bench(bench *b) {
     }
 }
 
-static void compare_on(const bench *b, uint32_t kind, const rig_settings *s, const char *where,
-                       compare_summary *summary) {
-    const sv_ref_volume v = {b->volumes[kind], WIDTH, HEIGHT, SLICES, SV_NO_PADDING, NULL};
-    compare_frame(b->r, b->textures[kind], &v, s, where, summary);
+/* Frames 0 .. count - 1 of settings, on every kind of volume in turn, in every layout of the work. */
+static void compare_all(rig *r, const char *what, uint32_t count, rig_settings (*settings)(uint32_t n)) {
+    compare_summary all = {0};
+    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+        bench b = open_bench(r, strategy);
+        for (uint32_t n = 0; n < count; n++) {
+            const uint32_t kind = n % RIG_KIND_COUNT;
+            const sv_ref_volume v = {b.volumes[kind], WIDTH, HEIGHT, SLICES, SV_NO_PADDING, NULL};
+            const rig_settings s = settings(n);
+            compare_frame(r, b.textures[kind], &v, &s, what, &all);
+        }
+        close_bench(&b);
+    }
+    compare_print(what, &all);
+}
+
+static rig_settings window(uint32_t n) {
+    rig_settings s = rig_default_settings();
+    s.k = 3 + 2 * n;
+    s.omega = 0.25 * ((n + 1) % 5);
+    s.bone.drop_empty = (n + 1) % 3 == 0;
+    return s;
+}
+
+static rig_settings weight(uint32_t n) {
+    rig_settings s = rig_default_settings();
+    s.k = n % 2 ? 3 : 9;
+    s.omega = 0.25 * (n / RIG_KIND_COUNT);
+    return s;
 }
 
 static void windows_and_weights(void **state) {
-    compare_summary all = {0};
-    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-        bench b = open_bench(*state, strategy);
-        for (uint32_t k = 3; k <= 63; k += 2) {
-            rig_settings s = rig_default_settings();
-            s.k = k;
-            s.omega = 0.25 * (k / 2 % 5);
-            s.bone.drop_empty = k / 2 % 3 == 0;
-            compare_on(&b, k / 2 % 4, &s, "windows", &all);
-        }
-        for (uint32_t n = 0; n < 5 * RIG_KIND_COUNT; n++) {
-            rig_settings s = rig_default_settings();
-            s.k = n % 2 ? 3 : 9;
-            s.omega = 0.25 * (n / RIG_KIND_COUNT);
-            compare_on(&b, n % RIG_KIND_COUNT, &s, "weights", &all);
-        }
-        close_bench(&b);
-    }
-    compare_print("windows and weights", &all);
+    compare_all(*state, "windows", 31, window);
+    compare_all(*state, "weights", 5 * RIG_KIND_COUNT, weight);
 }
 
 /* T_L on a grey level, between two, just beside one, at both ends of its range. */
-static void fluid_thresholds(void **state) {
+static rig_settings fluid_threshold(uint32_t n) {
     static const double list[] = {
         0.0,         40 / 255.0,    40.5 / 255.0, 41 / 255.0, 39.999 / 255.0, 40.001 / 255.0,
         254 / 255.0, 254.9 / 255.0, 1.0,          1 / 255.0};
-    compare_summary all = {0};
-    for (uint32_t strategy = 1; strategy <= 3; strategy += 2) {
-        bench b = open_bench(*state, strategy);
-        for (uint32_t n = 0; n < 10 * RIG_KIND_COUNT; n++) {
-            rig_settings s = rig_default_settings();
-            s.k = 11;
-            s.fluid_threshold = list[n / RIG_KIND_COUNT];
-            compare_on(&b, n % RIG_KIND_COUNT, &s, "fluid thresholds", &all);
-        }
-        close_bench(&b);
-    }
-    compare_print("fluid thresholds", &all);
+    rig_settings s = rig_default_settings();
+    s.k = 11;
+    s.fluid_threshold = list[n / RIG_KIND_COUNT];
+    return s;
 }
 
-static void bone_modes(void **state) {
+static void fluid_thresholds(void **state) {
+    compare_all(*state, "fluid thresholds", 10 * RIG_KIND_COUNT, fluid_threshold);
+}
+
+static rig_settings bone_mode(uint32_t n) {
     static const double absolute[] = {0.0, 0.5, 200 / 255.0, 0.74, 254 / 255.0, 0.9999, 1.0};
     static const double offset[] = {0.0, 1 / 255.0, 0.1, 0.24, 0.5, 0.9999, 1.0};
     static const double fraction[] = {0.0, 1e-6, 0.01, 0.03, 0.5, 0.99, 1.0};
-    compare_summary all = {0};
-    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-        bench b = open_bench(*state, strategy);
-        for (uint32_t n = 0; n < 3 * 7 * RIG_KIND_COUNT; n++) {
-            const uint32_t value = n / RIG_KIND_COUNT % 7;
-            rig_settings s = rig_default_settings();
-            s.k = 15;
-            s.bone.bone_mode = (int)(n / RIG_KIND_COUNT / 7);
-            s.bone.bone_threshold = absolute[value];
-            s.bone.bone_offset = offset[value];
-            s.bone.bone_fraction = fraction[value];
-            s.bone.drop_empty = n % 5 == 0;
-            compare_on(&b, n % RIG_KIND_COUNT, &s, "bone modes", &all);
-        }
-        close_bench(&b);
-    }
-    compare_print("bone modes", &all);
+    const uint32_t value = n / RIG_KIND_COUNT % 7;
+    rig_settings s = rig_default_settings();
+    s.k = 15;
+    s.bone.bone_mode = (int)(n / RIG_KIND_COUNT / 7);
+    s.bone.bone_threshold = absolute[value];
+    s.bone.bone_offset = offset[value];
+    s.bone.bone_fraction = fraction[value];
+    s.bone.drop_empty = n % 5 == 0;
+    return s;
+}
+
+static void bone_modes(void **state) {
+    compare_all(*state, "bone modes", 3 * 7 * RIG_KIND_COUNT, bone_mode);
 }
 
 /* Shares of sure bone rays around what the volumes have, gaps on and between samples of every step. */
-static void evidence(void **state) {
+static rig_settings share(uint32_t n) {
     static const double shares[] = {0.0, 0.001, 0.25, 0.5, 0.75, 0.999, 1.0};
     static const double gaps[] = {0.0, 0.25, 0.5, 1.0, 1.3, 2.0, 4.75, 64.0};
-    compare_summary all = {0};
-    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-        bench b = open_bench(*state, strategy);
-        for (uint32_t n = 0; n < 7 * 8; n++) {
-            rig_settings s = rig_default_settings();
-            s.k = 9;
-            s.evidence = shares[n % 7];
-            s.min_gap = gaps[n / 7];
-            s.bone.bone_mode = (int)(n % 3);
-            s.bone.drop_empty = n % 2 == 0;
-            compare_on(&b, n % RIG_KIND_COUNT, &s, "evidence", &all);
-        }
-        close_bench(&b);
-    }
-    compare_print("evidence", &all);
+    rig_settings s = rig_default_settings();
+    s.k = 9;
+    s.evidence = shares[n % 7];
+    s.min_gap = gaps[n / 7];
+    s.bone.bone_mode = (int)(n % 3);
+    s.bone.drop_empty = n % 2 == 0;
+    return s;
+}
+
+static void evidence(void **state) {
+    compare_all(*state, "evidence", 7 * 8, share);
 }
 
 /* A slider: adjust gives what a new frame with that q would have given, to the bit, and can be called at

@@ -108,16 +108,22 @@ static void repeated_breaches_are_told_less_and_less(void **state) {
     layer_close(s);
 }
 
-static void a_file_beside_it_has_the_settings(void **state) {
-    char folder[] = "/tmp/layer_XXXXXX", command[4096], recording[64];
-    assert_non_null(mkdtemp(folder));
-    (void)snprintf(
-        command, sizeof command,
-        "cp %s/smartvis_check.so %s && cp %s/" CPU ".so %s/inner.so && printf "
-        "'# a comment\\nSMARTVIS_CHECK=stop\\nSMARTVIS_CHECK_PLUGIN=inner.so\\nSMARTVIS_RECORD=own.svr\\n' "
-        "> %s/smartvis_check.conf",
-        layer_build(), folder, layer_build(), folder, folder);
+__attribute__((format(printf, 1, 2))) static void shell(const char *format, ...) {
+    char command[4096];
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(command, sizeof command, format, args);
+    va_end(args);
     assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+}
+
+static void a_file_beside_it_has_the_settings(void **state) {
+    char folder[] = "/tmp/layer_XXXXXX", recording[64];
+    assert_non_null(mkdtemp(folder));
+    shell("cp %s/smartvis_check.so %s && cp %s/" CPU ".so %s/inner.so && printf "
+          "'# a comment\\nSMARTVIS_CHECK=stop\\nSMARTVIS_CHECK_PLUGIN=inner.so\\nSMARTVIS_RECORD=own.svr\\n' "
+          "> %s/smartvis_check.conf",
+          layer_build(), folder, layer_build(), folder, folder);
     (void)unsetenv("SMARTVIS_CHECK_PLUGIN");
     layer_subject *s = layer_load(folder);
     layer_create(s);
@@ -126,33 +132,28 @@ static void a_file_beside_it_has_the_settings(void **state) {
     layer_close(s);
     (void)snprintf(recording, sizeof recording, "%s/own.svr", folder);
     assert_int_equal(access(recording, R_OK), 0);
-    (void)snprintf(command, sizeof command, "echo SMARTVIS_CHEK=stop >> %s/smartvis_check.conf", folder);
-    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+    shell("echo SMARTVIS_CHEK=stop >> %s/smartvis_check.conf", folder);
     s = layer_load(folder);
     layer_create(s);
     assert_int_equal(s->created, SV_ERR_INTERNAL);
     assert_non_null(strstr(s->log, "smartvis_check.conf: 'SMARTVIS_CHEK=stop' is no setting"));
     layer_close(s);
-    (void)snprintf(command, sizeof command, "rm -r %s", folder);
-    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+    shell("rm -r %s", folder);
 }
 
 /* lib/smartvis/check/smartvis_check.so and lib/smartvis/smartvis.so. */
 static void an_installation_needs_no_setting(void **state) {
-    char folder[] = "/tmp/layer_XXXXXX", check[64], command[4096];
+    char folder[] = "/tmp/layer_XXXXXX", check[64];
     assert_non_null(mkdtemp(folder));
     (void)snprintf(check, sizeof check, "%s/check", folder);
-    (void)snprintf(command, sizeof command,
-                   "mkdir %s && cp %s/smartvis_check.so %s && cp %s/" CPU ".so %s/smartvis.so", check,
-                   layer_build(), check, layer_build(), folder);
-    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+    shell("mkdir %s && cp %s/smartvis_check.so %s && cp %s/" CPU ".so %s/smartvis.so", check, layer_build(),
+          check, layer_build(), folder);
     (void)unsetenv("SMARTVIS_CHECK_PLUGIN");
     layer_subject *s = layer_load(check);
     layer_create(s);
     assert_int_equal(s->created, SV_OK);
     layer_close(s);
-    (void)snprintf(command, sizeof command, "rm -r %s", folder);
-    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+    shell("rm -r %s", folder);
 }
 
 static void what_cannot_be_used_is_told(void **state) {
@@ -226,13 +227,18 @@ static uint32_t recorded(const char *path, rc_kind kind) {
     return calls;
 }
 
+/* Makes a file, and the next layer records there. */
+static void record_to_file(char *name) {
+    const int file = mkstemp(name);
+    assert_true(file >= 0);
+    (void)close(file);
+    (void)setenv("SMARTVIS_RECORD", name, 1);
+}
+
 static void what_passes_is_recorded(void **state) {
     static const char *const modes[] = {"on", "off"};
     char path[] = "/tmp/layer_XXXXXX";
-    const int file = mkstemp(path);
-    assert_true(file >= 0);
-    (void)close(file);
-    (void)setenv("SMARTVIS_RECORD", path, 1);
+    record_to_file(path);
     for (int n = 0; n < 4; n++) {
         (void)setenv("SMARTVIS_CHECK", modes[n % 2], 1);
         layer_subject *s = layer_open(n < 2 ? CPU : CL);
@@ -257,10 +263,7 @@ static void what_passes_is_recorded(void **state) {
 /* What the layer refuses of activate's return, it gives back: the plugin is inactive, as the host has it. */
 static void an_activation_that_is_stopped_is_undone(void **state) {
     char path[] = "/tmp/layer_XXXXXX";
-    const int file = mkstemp(path);
-    assert_true(file >= 0);
-    (void)close(file);
-    (void)setenv("SMARTVIS_RECORD", path, 1);
+    record_to_file(path);
     (void)setenv("SMARTVIS_CHECK", "stop", 1);
     layer_subject *s = layer_open("wrong/activate_partial");
     layer_create(s);

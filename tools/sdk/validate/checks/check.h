@@ -6,7 +6,10 @@
 #include "rules/rules.h"
 #include "validate/drive/drive.h"
 
+#include <math.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <string.h>
 
 typedef struct {
     const rule *rule;

@@ -5,10 +5,6 @@
 #include "plugin/loader.h"
 #include "smartvis/confidence.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 void check_first_frame(v_run *run) {
     v_rig r;
     v_map map;

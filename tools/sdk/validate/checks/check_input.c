@@ -2,11 +2,6 @@
 /* Checks of what a plugin does with the memory that it is given. */
 #include "validate/checks/check.h"
 
-#include <math.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <string.h>
-
 /* The call that has just returned left the host's memory as it was. */
 static void expect_inputs(stage *st, uint64_t before) {
     V_EXPECT((v_run *)st->data, before == stage_inputs(st), "%s changes the host's voxels, ranges or format",

@@ -8,7 +8,6 @@
 #include <elf.h>
 #include <link.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define SCAN_SECONDS 0.1
 

@@ -2,8 +2,6 @@
 /* All checks in their order. */
 #include "validate/checks/check.h"
 
-#include <string.h>
-
 /* The rules that the validator tries, in their order. */
 #define ROW_TRIED(name, id, needs) {&rules[RULE_##name], id, needs, check_##name},
 #define ROW_BOTH(name, id, needs)  ROW_TRIED(name, id, needs)

@@ -7,8 +7,6 @@
 #include "validate/spy/heap_spy.h"
 
 #include <dirent.h>
-#include <stdio.h>
-#include <string.h>
 #include <time.h>
 
 static void watch(v_subject *s) {

@@ -2,8 +2,6 @@
 /* Checks of how parameters describe themselves. */
 #include "validate/checks/check.h"
 
-#include <string.h>
-
 typedef struct {
     v_subject s;
     uint32_t told; /* by param_count */

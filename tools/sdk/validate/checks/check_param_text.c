@@ -3,10 +3,7 @@
 
 #include "smartvis/lookup.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* ----------------------------------------------------------------------------------------------- texts -- */
 /* Checks of values as a person reads them. */

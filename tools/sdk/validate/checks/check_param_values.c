@@ -2,10 +2,6 @@
 /* Checks of the values that a plugin takes and refuses. */
 #include "validate/checks/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 enum { MAX_OUTSIDE = 16 };
 
 static v_params params; /* too large for the stack */

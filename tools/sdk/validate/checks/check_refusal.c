@@ -2,10 +2,6 @@
 /* Checks of what a plugin must refuse, and that it says why. */
 #include "validate/checks/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 /* ---- slabs */
 typedef struct {
     v_rig r;
@@ -191,29 +187,26 @@ void check_null_arguments(v_run *run) {
     open_place(run, &at);
     const sv_plugin *p = at.r.s.plugin;
     sv_result result = stage_result(&at.r.stage);
+#define NEEDED(what, call)                                                                                   \
+    v_where(run, what);                                                                                      \
+    refused(&at, what, call, SV_ERR_ARGUMENT)
     v_deactivate(&at.r.s, p);
-    v_where(run, "activate with format NULL");
-    refused(&at, "activate with format NULL", p->activate(p, NULL), SV_ERR_ARGUMENT);
+    NEEDED("activate with format NULL", p->activate(p, NULL));
     v_activate(&at.r.s, p, &at.r.stage);
-    v_where(run, "begin with frame NULL");
-    refused(&at, "begin with frame NULL", p->begin(p, NULL), SV_ERR_ARGUMENT);
-    v_where(run, "begin with 3 values at NULL");
-    refused(&at, "begin with 3 values at NULL", v_begin(p, &at.r.stage, NULL, 3), SV_ERR_ARGUMENT);
+    NEEDED("begin with frame NULL", p->begin(p, NULL));
+    NEEDED("begin with 3 values at NULL", v_begin(p, &at.r.stage, NULL, 3));
     (void)v_begin(p, &at.r.stage, NULL, 0);
-    v_where(run, "slab with slab NULL");
-    refused(&at, "slab with slab NULL", p->slab(p, NULL), SV_ERR_ARGUMENT);
+    NEEDED("slab with slab NULL", p->slab(p, NULL));
     complete(&at);
-    v_where(run, "end with result NULL");
-    refused(&at, "end with result NULL", p->end(p, NULL), SV_ERR_ARGUMENT);
+    NEEDED("end with result NULL", p->end(p, NULL));
     complete(&at);
     result.depth = NULL;
     result.depth_object = NULL;
-    v_where(run, "end without depth and depth_object");
-    refused(&at, "end without depth and depth_object", p->end(p, &result), SV_ERR_ARGUMENT);
+    NEEDED("end without depth and depth_object", p->end(p, &result));
     still_good(&at, "arguments that were NULL");
-    v_where(run, "adjust with result NULL");
-    refused(&at, "adjust with result NULL", p->adjust(p, NULL, 0, NULL), SV_ERR_ARGUMENT);
+    NEEDED("adjust with result NULL", p->adjust(p, NULL, 0, NULL));
     still_good(&at, "arguments that were NULL");
+#undef NEEDED
     close_place(&at);
 }
 

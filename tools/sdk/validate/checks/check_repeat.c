@@ -4,7 +4,6 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <string.h>
 
 /* One more frame, which gives the same map as `wanted`. */
 static void again(v_rig *r, const v_map *wanted, const char *what) {

@@ -2,10 +2,6 @@
 /* Checks of calls in every state. */
 #include "validate/checks/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 /* What the header says of an instance. */
 typedef enum { INACTIVE, IDLE, BEGUN, MIDWAY, COMPLETE, FINISHED, STATES } state;
 typedef enum { ACTIVATE, BEGIN, SLAB, END, ADJUST, CALLS } call;
