@@ -90,6 +90,15 @@ static bool compute_expected(scratch *b, const sv_values *v, const sv_config *c,
     return true;
 }
 
+sv_status sv_selftest_end(sv_pipeline *p, sv_status status, float *depth, uint8_t *points) {
+    if (status == SV_OK) status = sv_pipeline_end(p);
+    const sv_result result = {.size = sizeof result, .depth = depth, .status = points};
+    if (status == SV_OK) status = sv_pipeline_output(p, &result);
+    const sv_status waited =
+        sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
+    return status == SV_OK ? waited : status;
+}
+
 static sv_status compute_on_device(sv_pipeline *p, scratch *b, const sv_values *v, bool wide) {
     const sv_frame_context context = {0};
     sv_pipeline_begin(p, v, &context);
@@ -110,12 +119,7 @@ static sv_status compute_on_device(sv_pipeline *p, scratch *b, const sv_values *
         if (status == SV_OK)
             status = sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     }
-    if (status == SV_OK) status = sv_pipeline_end(p);
-    const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
-    if (status == SV_OK) status = sv_pipeline_output(p, &result);
-    const sv_status waited =
-        sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
-    return status == SV_OK ? waited : status;
+    return sv_selftest_end(p, status, b->depth, b->status);
 }
 
 static sv_status compare(sv_diag *diag, const scratch *b) {

@@ -95,12 +95,7 @@ static sv_status compute(sv_pipeline *p, scratch *b, const sv_values *values) {
     sv_status status = SV_OK;
     if (p->config.ranged) status = sv_pipeline_scanned(p, (const sv_scanned *)b->ranges, NULL, 0);
     if (status == SV_OK) status = sv_pipeline_slab(p, &slab);
-    if (status == SV_OK) status = sv_pipeline_end(p);
-    const sv_result result = {.size = sizeof result, .depth = b->depth, .status = b->status};
-    if (status == SV_OK) status = sv_pipeline_output(p, &result);
-    const sv_status waited =
-        sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
-    return status == SV_OK ? waited : status;
+    return sv_selftest_end(p, status, b->depth, b->status);
 }
 
 static sv_status compare(sv_diag *diag, const scratch *b, double bound) {

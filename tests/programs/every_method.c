@@ -123,8 +123,7 @@ static void try_one(const sv_plugin *p, const stage_device *d, uint32_t carrier,
                            .ranges = true,
                            .spacing_mm = {1, 1, 1},
                            .padding = SV_NO_PADDING,
-                           .fixed = {values[0], values[1]},
-                           .fixed_count = 2};
+                           .fixed = {values[0], values[1]}};
     stage_make(&st, &way, d, failed, NULL);
     stage_fill(&st, voxels, scanned);
     stage_poison(&st, 0);

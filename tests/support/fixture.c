@@ -57,6 +57,11 @@ sv_status fixture_activate(fixture *f) {
     return f->r.plugin->activate(f->r.plugin, &f->textures->format);
 }
 
+void fixture_use(fixture *f, rig_format how) {
+    fixture_change(f, how);
+    assert_int_equal(fixture_activate(f), SV_OK);
+}
+
 sv_status fixture_begin(fixture *f) {
     const sv_frame frame = {.size = sizeof frame};
     return f->r.plugin->begin(f->r.plugin, &frame);

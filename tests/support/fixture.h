@@ -27,6 +27,7 @@ int fixture_teardown(void **state);
 
 /* Another way of handing the same volume over; the instance must be inactive. */
 void fixture_change(fixture *f, rig_format how);
+void fixture_use(fixture *f, rig_format how); /* and activates */
 
 sv_status fixture_activate(fixture *f);
 sv_status fixture_begin(fixture *f); /* default values */

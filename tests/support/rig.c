@@ -194,9 +194,9 @@ stage *rig_stage(const rig *r, const rig_format *f, const uint8_t *volume) {
                      .registered = f->in_place,
                      .spacing_mm = {f->voxel_mm, f->voxel_mm, f->voxel_mm},
                      .padding = f->padding,
-                     .hatch = 255,
-                     .fixed_count = f->fixed_count};
-    memcpy(way.fixed, f->fixed, sizeof f->fixed);
+                     .hatch = 255};
+    for (; way.fixed_count < RIG_MAX_FIXED && f->fixed[way.fixed_count].id; way.fixed_count++)
+        way.fixed[way.fixed_count] = f->fixed[way.fixed_count];
     name_method(r, &way);
     stage_make(st, &way, &(stage_device){r->device, r->context, r->queue}, refused, NULL);
     st->frame_flags = 0;

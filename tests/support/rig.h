@@ -86,8 +86,7 @@ typedef struct {
     int32_t padding;                        /* 0 is a value: SV_NO_PADDING for none */
     const sv_scanned *scanned;              /* of every ray; NULL: the frames bring none */
     bool scanned_in_buffer;                 /* hands them over in an OpenCL buffer */
-    sv_param_value fixed[RIG_MAX_FIXED];    /* parameters for activate; if none is the method, it is mean */
-    uint32_t fixed_count;
+    sv_param_value fixed[RIG_MAX_FIXED];    /* for activate, up to an id of 0; by default method is mean */
 } rig_format;
 
 typedef struct {

@@ -105,8 +105,7 @@ static void compare_layout(rig *r, const wall_shape *s, const uint8_t *volume, c
                           .scanned = s->scanned,
                           .extra_w = 3,
                           .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")},
-                                    {rig_param(r, "strategy"), 0, rig_enum(r, "strategy", strategy)}},
-                          .fixed_count = 2};
+                                    {rig_param(r, "strategy"), 0, rig_enum(r, "strategy", strategy)}}};
     stage *t = rig_stage(r, &f, volume);
     memcpy(t->format.spacing_mm, s->spacing_mm, sizeof s->spacing_mm);
     rig_result out = rig_result_make(s->width, s->height);

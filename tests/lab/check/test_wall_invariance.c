@@ -50,8 +50,7 @@ static float *map_of(rig *r, const wall_case *c, int32_t padding, bool ranged) {
                           .slab_slices = 16,
                           .padding = padding,
                           .scanned = ranged ? ranges : NULL,
-                          .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}},
-                          .fixed_count = 1};
+                          .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}}};
     stage *t = rig_stage(r, &f, c->full);
     for (int axis = 0; axis < 3; axis++) t->format.spacing_mm[axis] = (float)c->spacing_mm[axis];
     rig_result out = rig_result_make(c->nx, c->ny);

@@ -18,8 +18,7 @@ static rig_format layout(const rig *r, uint32_t strategy, uint32_t substeps, uin
         .height = height,
         .slices = slices,
         .padding = SV_NO_PADDING,
-        .fixed = {{rig_param(r, "strategy"), 0, strategy}, {rig_param(r, "substeps"), 0, substeps}},
-        .fixed_count = 2};
+        .fixed = {{rig_param(r, "strategy"), 0, strategy}, {rig_param(r, "substeps"), 0, substeps}}};
 }
 
 static rig_settings settings_of(uint32_t substeps, uint32_t k) {

@@ -18,7 +18,6 @@ static void in_all_layouts(rig *r, rig_format f, uint8_t *volume, const rig_sett
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {
         f.fixed[0] = (sv_param_value){rig_param(r, "strategy"), 0, strategy};
         f.fixed[1] = (sv_param_value){rig_param(r, "substeps"), 0, s->substeps};
-        f.fixed_count = 2;
         compare_run(r, &f, volume, s, where, summary);
     }
     free(volume);
@@ -77,7 +76,6 @@ static void no_surface_after_a_surface(void **state) {
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {
         rig_format layout = f;
         layout.fixed[0] = (sv_param_value){rig_param(r, "strategy"), 0, strategy};
-        layout.fixed_count = 1;
         for (int n = 0; n < 4; n++) {
             stage *t = rig_stage(r, &layout, volumes[n]);
             if (n == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);

@@ -40,8 +40,7 @@ static sv_status run_map(rig *r, const map *m, uint32_t strategy, float q, rig_r
                           .slices = SLICES,
                           .slab_slices = 16,
                           .padding = SV_NO_PADDING,
-                          .fixed = {{rig_param(r, "strategy"), 0, strategy}},
-                          .fixed_count = 1};
+                          .fixed = {{rig_param(r, "strategy"), 0, strategy}}};
     const sv_param_value values[] = {{rig_param(r, "kernel"), 0, m->k},
                                      {rig_param(r, "fill_weight"), 0, m->omega},
                                      {rig_param(r, "q"), 0, (double)q},

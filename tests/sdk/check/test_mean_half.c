@@ -19,7 +19,6 @@ static void in_all_layouts(rig *r, rig_format f, const uint8_t *volume, rig_sett
         f.fixed[0] = (sv_param_value){rig_param(r, "strategy"), 0, strategy};
         f.fixed[1] = (sv_param_value){rig_param(r, "substeps"), 0, s.substeps};
         f.fixed[2] = (sv_param_value){rig_param(r, "precision"), 0, INT16};
-        f.fixed_count = 3;
         compare_run(r, &f, volume, &s, where, summary);
     }
 }

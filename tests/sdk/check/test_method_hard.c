@@ -189,8 +189,7 @@ static void test_volumes(void **state) {
                                                .slices = slices,
                                                .slab_slices = slab < slices ? slab : slices,
                                                .padding = -1,
-                                               .fixed = {{rig_param(r, "method"), 0, method}},
-                                               .fixed_count = 1};
+                                               .fixed = {{rig_param(r, "method"), 0, method}}};
                     rig_settings s = rig_default_settings();
                     s.fluid_threshold = s.bone.fluid_threshold = 40.0 / 255.0; /* exactly a grey level */
                     sv_param_value values[RIG_MAX_VALUES];

@@ -137,8 +137,7 @@ static void check_table(rig *r, const table *t, const uint32_t *lengths, uint32_
         .slices = SLICES,
         .lengths = lengths,
         .padding = t->padding,
-        .fixed = {{rig_param(r, "substeps"), 0, t->substeps}, {rig_param(r, "strategy"), 0, strategy}},
-        .fixed_count = 2};
+        .fixed = {{rig_param(r, "substeps"), 0, t->substeps}, {rig_param(r, "strategy"), 0, strategy}}};
     sv_param_value values[] = {{rig_param(r, "fluid_threshold"), 0, FLUID / 255.0},
                                {rig_param(r, "bone_mode"), 0, 0},
                                {rig_param(r, "bone_threshold"), 0, BONE / 255.0},
@@ -276,8 +275,7 @@ static void evidence_by_hand(void **state) {
                               .height = 1,
                               .slices = 8,
                               .padding = SV_NO_PADDING,
-                              .fixed = {{rig_param(r, "strategy"), 0, strategy}},
-                              .fixed_count = 1};
+                              .fixed = {{rig_param(r, "strategy"), 0, strategy}}};
         stage *t = rig_stage(r, &f, volume);
         assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

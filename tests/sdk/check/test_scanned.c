@@ -80,7 +80,6 @@ static void device_is_definition(void **state) {
         f.padding = n % 4 < 2 ? 30 : SV_NO_PADDING;
         f.fixed[0] = (sv_param_value){rig_param(&s->r, "strategy"), 0, strategy};
         f.fixed[1] = (sv_param_value){rig_param(&s->r, "substeps"), 0, substeps};
-        f.fixed_count = 2;
         const rig_settings settings = settings_of(substeps);
         compare_run(&s->r, &f, s->volume, &settings, "ranges in memory", &summary);
         f.scanned_in_buffer = true;
@@ -114,7 +113,6 @@ static void ranges_are_padding(void **state) {
             f.padding = n == 1 ? SV_NO_PADDING : 0;
             f.fixed[0] =
                 (sv_param_value){rig_param(&s->r, "method"), 0, rig_enum(&s->r, "method", methods[m])};
-            f.fixed_count = 1;
             const sv_param_value value = {rig_param(&s->r, "evidence"), 0, 0.0};
             out[n] = rig_result_make(WIDTH, HEIGHT);
             assert_int_equal(rig_run(&s->r, &f, s->volume, &value, 1, &out[n]), SV_OK);

@@ -22,8 +22,7 @@ static bench open_bench(rig *r, uint32_t strategy) {
                           .slices = SLICES,
                           .slab_slices = 7,
                           .padding = SV_NO_PADDING,
-                          .fixed = {{rig_param(r, "strategy"), 0, strategy}},
-                          .fixed_count = 1}};
+                          .fixed = {{rig_param(r, "strategy"), 0, strategy}}}};
     for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
         b.volumes[kind] = rig_volume(kind, WIDTH, HEIGHT, SLICES, 11 + strategy);
         b.textures[kind] = rig_stage(r, &b.format, b.volumes[kind]);

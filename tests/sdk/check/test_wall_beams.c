@@ -173,8 +173,7 @@ static void test_an_answer_holds_for_its_volume(void **state) {
                           .slab_slices = N,
                           .padding = SV_NO_PADDING,
                           .carrier = SV_CARRIER_HOST,
-                          .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}},
-                          .fixed_count = 1};
+                          .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}}};
     stage *t = rig_stage(r, &f, hidden.voxels);
     for (int a = 0; a < 3; a++) t->format.spacing_mm[a] = (float)MM;
     sv_beams beams = {.side = {0, 0, -1}};

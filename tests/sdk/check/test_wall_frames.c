@@ -105,8 +105,7 @@ static void begin(rig *r, const char *strategy) {
                           .slices = N,
                           .slab_slices = 16,
                           .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")},
-                                    {rig_param(r, "strategy"), 0, rig_enum(r, "strategy", strategy)}},
-                          .fixed_count = 2};
+                                    {rig_param(r, "strategy"), 0, rig_enum(r, "strategy", strategy)}}};
     stage *t = rig_stage(r, &f, volume);
     memcpy(t->format.spacing_mm, spacing, sizeof spacing);
     assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);

@@ -23,8 +23,7 @@ static stage *finish_frame(rig *r, double method, bool own_queue, rig_result *ou
                      .slices = SIDE,
                      .slab_slices = 16,
                      .own_queue = own_queue,
-                     .fixed = {{rig_param(r, "method"), 0, method}},
-                     .fixed_count = 1};
+                     .fixed = {{rig_param(r, "method"), 0, method}}};
     stage *t = rig_stage(r, &f, data.full.voxels);
     hs_scene_free(&data);
     *out = rig_result_make(SIDE, SIDE);

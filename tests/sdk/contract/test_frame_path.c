@@ -91,9 +91,7 @@ static void frames_are_quiet(void **state) {
             rig_format how = ways[n / 2];
             how.fixed[0] = (sv_param_value){rig_param(&f->r, "strategy"), 0, strategy};
             how.fixed[1] = (sv_param_value){rig_param(&f->r, "method"), 0, methods[n % 2]};
-            how.fixed_count = 2;
-            fixture_change(f, how);
-            assert_int_equal(fixture_activate(f), SV_OK);
+            fixture_use(f, how);
             sv_result result = fixture_result(f);
             quiet_frame(f, &result);
             result.depth = wide;
@@ -122,11 +120,9 @@ static void methods_are_quiet(void **state) {
             const rig_format how = {.fixed = {{rig_param(&f->r, "method"), 0, method},
                                               {rig_param(&f->r, "prefilter"), 0, n / 6},
                                               {rig_param(&f->r, "strategy"), 0, 1 + n % 3},
-                                              {rig_param(&f->r, "reduction"), 0, 1 + n / 3 % 2}},
-                                    .fixed_count = 4};
+                                              {rig_param(&f->r, "reduction"), 0, 1 + n / 3 % 2}}};
             const sv_result result = fixture_result(f);
-            fixture_change(f, how);
-            assert_int_equal(fixture_activate(f), SV_OK);
+            fixture_use(f, how);
             forget();
             assert_int_equal(p->begin(p, &frame), SV_OK);
             assert_int_equal(fixture_slabs(f), SV_OK);
@@ -147,8 +143,7 @@ static void refusals_are_quiet(void **state) {
     fixture *f = *state;
     watch(f);
     for (uint32_t n = 0; n < sizeof ways / sizeof *ways; n++) {
-        fixture_change(f, ways[n]);
-        assert_int_equal(fixture_activate(f), SV_OK);
+        fixture_use(f, ways[n]);
         const uint32_t waits = f->how.own_queue ? 1 : 0;
         for (uint32_t slabs = 0; slabs <= FIXTURE_SLABS; slabs++) {
             forget();
@@ -194,9 +189,7 @@ static void timed_frames(void **state) {
         for (uint32_t strategy = 1; strategy <= 3; strategy++) {
             rig_format how = ways[n];
             how.fixed[0] = (sv_param_value){rig_param(&f->r, "strategy"), 0, strategy};
-            how.fixed_count = 1;
-            fixture_change(f, how);
-            assert_int_equal(fixture_activate(f), SV_OK);
+            fixture_use(f, how);
             const sv_plugin *p = f->r.plugin;
             const sv_ext_timing *timing = p->get_extension(p, SV_EXT_TIMING);
             const bool copies = how.carrier != SV_CARRIER_BUFFER && !(how.in_place && rig_is_cpu(&f->r));
@@ -231,8 +224,7 @@ static void the_spy_sees_activation(void **state) {
     fixture *f = *state;
     assert_string_equal(spy_unknown_import(f->r.library) ? spy_unknown_import(f->r.library) : "", "");
     watch(f);
-    fixture_change(f, (rig_format){.own_queue = true});
-    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_use(f, (rig_format){.own_queue = true});
     /* context, queue, programs, 14 kernels or more, a dozen buffers, twice for the self-test */
     assert_true(spy_count(SPY_CREATE) > 30);
     assert_int_equal(spy_count(SPY_BUILD), 2); /* profiles and mean: self-test and pipeline share them */
@@ -255,10 +247,9 @@ static void what_runs_is_waited_for(void **state) {
     const sv_plugin *p = f->r.plugin;
     watch(f);
     for (int own = 0; own < 2; own++) {
-        rig_format how = {.own_queue = own, .fixed_count = 1};
+        rig_format how = {.own_queue = own};
         how.fixed[0] = (sv_param_value){rig_param(&f->r, "method"), 0, 0};
-        fixture_change(f, how);
-        assert_int_equal(fixture_activate(f), SV_OK);
+        fixture_use(f, how);
         for (int drop = 0; drop < 3; drop++) {
             assert_int_equal(fixture_begin(f), SV_OK);
             for (uint32_t n = 0; n < FIXTURE_SLABS; n++) assert_int_equal(fixture_slab(f, n), SV_OK);
@@ -282,7 +273,7 @@ static void each_program_is_built_once(void **state) {
     /* spline; wall by rows and by rays, which have a program each */
     static const double methods[] = {2.0, 7.0, 7.0}, strategies[] = {0.0, 1.0, 3.0};
     for (int n = 0; n < 3; n++) {
-        rig_format how = {.fixed_count = 2};
+        rig_format how = {0};
         how.fixed[0] = (sv_param_value){rig_param(&f->r, "method"), 0, methods[n]};
         how.fixed[1] = (sv_param_value){rig_param(&f->r, "strategy"), 0, strategies[n]};
         fixture_change(f, how);
@@ -304,11 +295,10 @@ static void activation_compiles_what_frames_launch(void **state) {
     static const double methods[] = {0.0, 7.0}; /* mean, wall */
     for (uint32_t n = 0; n < 2; n++)
         for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-            rig_format how = {.carrier = SV_CARRIER_HOST, .fixed_count = 2};
+            rig_format how = {.carrier = SV_CARRIER_HOST};
             how.fixed[0] = (sv_param_value){rig_param(&f->r, "strategy"), 0, strategy};
             how.fixed[1] = (sv_param_value){rig_param(&f->r, "method"), 0, methods[n]};
-            fixture_change(f, how);
-            assert_int_equal(fixture_activate(f), SV_OK);
+            fixture_use(f, how);
             forget();
             const sv_result result = fixture_result(f);
             const sv_param_value clip = {rig_param(&f->r, "unsure"), 0, rig_enum(&f->r, "unsure", "clip")};

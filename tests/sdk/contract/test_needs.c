@@ -73,7 +73,7 @@ static void holds(rig *r, const setting *s) {
     static const sv_scanned ranges[256 * 256];
     char name[160];
     sv_param_value frame_values[4];
-    uint32_t count = 0;
+    uint32_t count = 0, fixed = 2;
     rig_format how = {.width = s->width,
                       .height = s->height,
                       .slices = s->slices,
@@ -83,14 +83,12 @@ static void holds(rig *r, const setting *s) {
                       .own_queue = s->own_queue,
                       .padding = SV_NO_PADDING,
                       .scanned = s->ranged ? ranges : NULL};
-    how.fixed[how.fixed_count++] =
-        (sv_param_value){rig_param(r, "method"), 0, rig_enum(r, "method", s->method)};
-    how.fixed[how.fixed_count++] =
-        (sv_param_value){rig_param(r, "strategy"), 0, rig_enum(r, "strategy", s->strategy)};
+    how.fixed[0] = (sv_param_value){rig_param(r, "method"), 0, rig_enum(r, "method", s->method)};
+    how.fixed[1] = (sv_param_value){rig_param(r, "strategy"), 0, rig_enum(r, "strategy", s->strategy)};
     for (size_t i = 0; i < 3 && s->with[i].key; i++) {
         const sv_param_value v = {rig_param(r, s->with[i].key), 0, s->with[i].value};
         if (s->with[i].fixed)
-            how.fixed[how.fixed_count++] = v;
+            how.fixed[fixed++] = v;
         else
             frame_values[count++] = v;
     }

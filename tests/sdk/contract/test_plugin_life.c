@@ -42,8 +42,7 @@ static void another_format_after_another(void **state) {
         assert_true(rig_run(&f->r, &large, volume, NULL, 0, &out) >= 0);
         rig_result_free(&out);
         free(volume);
-        fixture_change(f, ways[n]);
-        assert_int_equal(fixture_activate(f), SV_OK);
+        fixture_use(f, ways[n]);
         fixture_frame_is_good(f);
         f->r.plugin->deactivate(f->r.plugin);
     }
@@ -120,8 +119,7 @@ static int forked(fixture *f) {
 static void a_fork_is_told(void **state) {
     fixture *f = *state;
     for (int own = 0; own < 2; own++) {
-        fixture_change(f, (rig_format){.own_queue = own});
-        assert_int_equal(fixture_activate(f), SV_OK);
+        fixture_use(f, (rig_format){.own_queue = own});
         fixture_frame_is_good(f);
         const pid_t child = fork();
         if (child == 0) _exit(forked(f));

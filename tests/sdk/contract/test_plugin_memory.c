@@ -14,8 +14,7 @@ static void choose(fixture *f, uint32_t carrier, double method, double reduction
     const rig_format how = {.carrier = carrier,
                             .fixed = {{rig_param(&f->r, "method"), 0, method},
                                       {rig_param(&f->r, "prefilter"), 0, 1.0},
-                                      {rig_param(&f->r, "reduction"), 0, reduction}},
-                            .fixed_count = 3};
+                                      {rig_param(&f->r, "reduction"), 0, reduction}}};
     fixture_change(f, how);
 }
 

@@ -65,8 +65,7 @@ static void slab_shape(void **state) {
 
 static void memory_that_was_not_registered(void **state) {
     fixture *f = *state;
-    fixture_change(f, (rig_format){.in_place = true});
-    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_use(f, (rig_format){.in_place = true});
     uint8_t other[84 * 36] = {0};
     sv_slab slab = stage_slab(f->textures, 0);
     slab.memory = other;
@@ -102,8 +101,7 @@ static cl_mem new_image(const fixture *f, cl_channel_order order, cl_channel_typ
 
 static void wrong_buffers(void **state) {
     fixture *f = *state;
-    fixture_change(f, (rig_format){.carrier = SV_CARRIER_BUFFER});
-    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_use(f, (rig_format){.carrier = SV_CARRIER_BUFFER});
     sv_slab slab = stage_slab(f->textures, 0);
     slab.object = NULL;
     slab.memory = f->textures->memory[0]; /* the wrong carrier */
@@ -134,8 +132,7 @@ static void wrong_buffers(void **state) {
 
 static void wrong_images(void **state) {
     fixture *f = *state;
-    fixture_change(f, (rig_format){.carrier = SV_CARRIER_IMAGE});
-    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_use(f, (rig_format){.carrier = SV_CARRIER_IMAGE});
     const struct {
         cl_mem object;
         const char *text;
@@ -208,8 +205,7 @@ static void wrong_results(void **state) {
     assert_int_equal(clReleaseMemObject(image), CL_SUCCESS);
     fixture_frame_is_good(f);
     f->r.plugin->deactivate(f->r.plugin);
-    fixture_change(f, (rig_format){.own_queue = true});
-    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_use(f, (rig_format){.own_queue = true});
     r = fixture_result(f);
     r.depth = NULL;
     r.depth_object = (cl_mem)f; /* never looked at */

@@ -14,7 +14,6 @@ static const char NAME[] = "CL_OUT_OF_HOST_MEMORY (-6)";
 
 static rig_format with_strategy(const fixture *f, rig_format how, uint32_t strategy) {
     how.fixed[0] = (sv_param_value){rig_param(&f->r, "strategy"), 0, strategy};
-    how.fixed_count = 1;
     return how;
 }
 
@@ -166,8 +165,7 @@ static void frames(void **state) {
     uint32_t calls = 0;
     for (uint32_t n = 0; n < sizeof ways / sizeof *ways; n++)
         for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-            fixture_change(f, with_strategy(f, ways[n], strategy));
-            assert_int_equal(fixture_activate(f), SV_OK);
+            fixture_use(f, with_strategy(f, ways[n], strategy));
             const int32_t live = spy_live();
             const sv_result result = fixture_result(f);
             calls += fail_steps(f, whole_frame, &result);
@@ -217,8 +215,7 @@ static void outputs_and_timing(void **state) {
     const sv_plugin *p = f->r.plugin;
     const sv_ext_timing *stats = p->get_extension(p, SV_EXT_TIMING);
     for (uint32_t timed = 0; timed < 2; timed++) {
-        fixture_change(f, (rig_format){0});
-        assert_int_equal(fixture_activate(f), SV_OK);
+        fixture_use(f, (rig_format){0});
         assert_int_equal(stats->enable(p, timed), SV_OK);
         sv_result result = {.size = sizeof result, .depth_object = buffer, .stats = &f->out.stats};
         (void)fail_steps(f, whole_frame, &result);

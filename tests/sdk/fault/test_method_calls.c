@@ -18,8 +18,7 @@ static void choose(fixture *f, int method, bool prefilter, uint32_t strategy, ui
     rig_format how = {.fixed = {{rig_param(&f->r, "method"), 0, method},
                                 {rig_param(&f->r, "prefilter"), 0, prefilter},
                                 {rig_param(&f->r, "strategy"), 0, strategy},
-                                {rig_param(&f->r, "reduction"), 0, reduction}},
-                      .fixed_count = 4};
+                                {rig_param(&f->r, "reduction"), 0, reduction}}};
     fixture_change(f, how);
 }
 
