@@ -42,7 +42,6 @@ static void make_volume(void) {
 }
 
 static void failed(void *data, const char *what, cl_int code) {
-    (void)data;
     (void)fprintf(stderr, "every_method: %s: OpenCL error %d\n", what, (int)code);
     exit(1);
 }
@@ -170,7 +169,6 @@ static void try_all(const sv_plugin *p, const stage_device *d, bool images) {
 }
 
 static void print_log(const sv_host *host, int32_t severity, const char *text) {
-    (void)host;
     if (severity >= SV_LOG_WARNING) (void)fprintf(stderr, "plugin: %s\n", text);
 }
 

@@ -7,12 +7,9 @@
 
 #include <cmocka.h>
 
-static void passes(void **state) {
-    (void)state;
-}
+static void passes(void **state) {}
 
 static int fails(void **state) {
-    (void)state;
     return -1;
 }
 

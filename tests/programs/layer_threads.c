@@ -29,9 +29,7 @@ static const sv_descriptor about = {.size = sizeof about,
                                     .queues = SV_QUEUE_OWN,
                                     .extensions = extensions};
 
-static void nothing(const sv_plugin *p) {
-    (void)p;
-}
+static void nothing(const sv_plugin *p) {}
 static sv_status activate(const sv_plugin *p, const sv_format *f) {
     return p && f ? SV_OK : SV_ERR_ARGUMENT;
 }
@@ -48,29 +46,21 @@ static sv_status end(const sv_plugin *p, const sv_result *r) {
     return SV_OK;
 }
 static sv_status adjust(const sv_plugin *p, const sv_param_value *v, uint32_t n, const sv_result *r) {
-    (void)v;
-    (void)n;
     return p && r ? SV_OK : SV_ERR_ARGUMENT;
 }
 static uint32_t count(const sv_plugin *p) {
-    (void)p;
     return 0;
 }
 static sv_status info(const sv_plugin *p, uint32_t index, sv_param_info *out) {
     return p && index == 0 && out ? SV_ERR_ARGUMENT : SV_ERR_ARGUMENT;
 }
 static sv_status text(const sv_plugin *p, uint32_t id, double value, char *out, uint32_t bytes) {
-    (void)p;
-    (void)id;
     return snprintf(out, bytes, "%g", value) > 0 ? SV_OK : SV_ERR_ARGUMENT;
 }
 static const char *last_error(const sv_plugin *p) {
-    (void)p;
     return "";
 }
 static const void *extension(const sv_plugin *p, const char *id) {
-    (void)p;
-    (void)id;
     return NULL;
 }
 static const sv_plugin instance = {sizeof instance, 0,        &about, NULL,   nothing, activate, nothing,
@@ -90,7 +80,6 @@ SV_EXPORT const sv_entry smartvis_plugin_entry = {SV_ABI_MAJOR, SV_ABI_MINOR, si
 static atomic_uint told, frames_done;
 
 static void count_lines(const sv_host *host, int32_t severity, const char *line) {
-    (void)host;
     if (severity == SV_LOG_HOST_MISBEHAVING && strstr(line, "host-threads")) atomic_fetch_add(&told, 1);
 }
 

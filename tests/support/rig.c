@@ -170,8 +170,6 @@ static void name_method(const rig *r, stage_way *way) {
 }
 
 static void refused(void *data, const char *what, cl_int code) {
-    (void)data;
-    (void)code;
     fail("OpenCL or memory", what);
 }
 

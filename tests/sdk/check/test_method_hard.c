@@ -16,9 +16,7 @@ typedef struct {
     void (*lay)(surface_points *p);
 } hard_case;
 
-static void lay_none(surface_points *p) {
-    (void)p;
-}
+static void lay_none(surface_points *p) {}
 static void lay_all(surface_points *p) {
     for (uint32_t y = 0; y < p->height; y++)
         for (uint32_t x = 0; x < p->width; x++) surface_put(p, x, y, 3 + x % 4, 20 + (x + y) % 9);

@@ -35,7 +35,6 @@ static sv_status find(sva *a, const sv_slab *slab) {
 static sv_status place(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     const sva_cl *cl = a->own;
     const sva_cl_arg args[] = {SVA_ARG(cl->rays), SVA_ARG(cl->depth)};
-    (void)depth;
     return sva_cl_launch(a, PLACE, args, place_args);
 }
 
@@ -52,7 +51,6 @@ static const sva_method whole = {.descriptor = &descriptor,
                                  .output = sva_cl_output};
 
 static void no_stage(void *data, const char *what, cl_int code) {
-    (void)data;
     fail_msg("%s: OpenCL error %d", what, (int)code);
 }
 

@@ -30,7 +30,6 @@ static sv_status on_slab(sva *a, const sv_slab *slab) {
     return slab->first_slice > 0 ? fail_at(a, AT_SLAB) : SV_OK;
 }
 static void on_deactivate(sva *a) {
-    (void)a;
     deactivated++;
 }
 static sv_status on_finish(sva *a, float *depth) {
@@ -91,8 +90,6 @@ static const sva_method own_method = {.descriptor = &own_descriptor,
 static char last_log[300];
 
 static void keep_log(const sv_host *host, int32_t severity, const char *text) {
-    (void)host;
-    (void)severity;
     (void)snprintf(last_log, sizeof last_log, "%s", text);
 }
 

@@ -51,7 +51,6 @@ static cl_int told_devices(cl_platform_id p, cl_device_type type, cl_uint n, cl_
 /* NOLINTNEXTLINE(readability-non-const-parameter) */
 static cl_int told_device(cl_device_id d, cl_device_info what, size_t bytes, void *out, size_t *size) {
     const fake *f = (const fake *)d;
-    (void)size;
     memset(out, 0, bytes);
     if (what == CL_DEVICE_PLATFORM) memcpy(out, &d, sizeof d);
     if (what == CL_DEVICE_TYPE) memcpy(out, &f->type, sizeof f->type);
@@ -60,8 +59,6 @@ static cl_int told_device(cl_device_id d, cl_device_info what, size_t bytes, voi
 }
 /* NOLINTNEXTLINE(readability-non-const-parameter) */
 static cl_int told_platform(cl_platform_id p, cl_platform_info what, size_t bytes, void *out, size_t *size) {
-    (void)what;
-    (void)size;
     (void)snprintf(out, bytes, "%s", ((const fake *)p)->platform);
     return CL_SUCCESS;
 }

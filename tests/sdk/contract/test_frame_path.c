@@ -4,13 +4,12 @@
  * and adjust in every work layout and with every carrier, seen through interposed OpenCL calls and an
  * interposed heap. With the plugin's own queue, end and adjust wait exactly once.
  */
+#include "base/progress.h"
 #include "support/fixture.h"
 #include "support/surfaces.h"
 #include "support/unit.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
-
-#include <time.h>
 
 static void watch(const fixture *f) {
     spy_watch(f->r.entry);
@@ -158,19 +157,13 @@ static void refusals_are_quiet(void **state) {
     }
 }
 
-static double now_ms(void) {
-    struct timespec t;
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
-
 /* A frame with timing on, and where its time went: within the time that it took, and a transfer only where
  * slabs are copied. Events are kept and released in begin; nothing else changes. */
 static sv_stage_times timed_frame(fixture *f, const sv_ext_timing *timing, bool copies) {
-    const double start = now_ms();
+    const double start = hs_now();
     forget();
     fixture_frame_is_good(f);
-    const double took = now_ms() - start;
+    const double took = 1e3 * (hs_now() - start);
     assert_int_equal(spy_count(SPY_CREATE) + spy_count(SPY_BUILD) + spy_blocking(), 0);
     if (!f->how.own_queue) assert_int_equal(spy_count(SPY_WAIT), 0);
     assert_int_equal(heap_spy_count(), 0);

@@ -30,7 +30,6 @@ static sv_status place(sva *a, float *depth) { /* NOLINT(readability-non-const-p
     float q = (float)(0.5 * sva_value(a, Q) + 0.25 * sva_value(a, SIDE));
     if (WRONG_IS(carriers_differ) && a->format.carrier == SV_CARRIER_BUFFER) q *= 0.5f;
     const sva_cl_arg args[] = {SVA_ARG(cl->rays), SVA_ARG(q), SVA_ARG(cl->depth), SVA_ARG(cl->points)};
-    (void)depth;
     return sva_cl_launch(a, PLACE, args, 4);
 }
 

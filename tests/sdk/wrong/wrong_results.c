@@ -155,7 +155,6 @@ static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confide
 
 static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
                                   uint64_t offset) {
-    (void)offset;
     if (!map || object) return sva_error(wrong_self(plugin), SV_ERR_ARGUMENT, "write: no map");
     return confidence_read(plugin, map, NULL);
 }
@@ -166,7 +165,6 @@ static const sv_ext_confidence confidence = {.size = sizeof confidence,
                                              .write = confidence_write};
 
 static const void *extension(const sv_plugin *plugin, const char *id) {
-    (void)plugin;
     return id && strcmp(id, SV_EXT_CONFIDENCE) == 0 ? &confidence : NULL;
 }
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "base/progress.h"
 #include "base/text.h"
 #include "guarded/in_child.h"
 #include "plugin/loader_param.h"
@@ -9,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* Lines of a log, one behind the other. */
 enum { LINES_BYTES = 1 << 16 };
@@ -33,9 +33,9 @@ typedef struct {
     bool played; /* the call under way was made here, too */
     bool active;
     sv_status status;
-    bool has_voxels;            /* the frame has them */
-    double began_ms, spared_ms; /* the first activate compiles, whatever the recording asks for */
-    double longest_ms;          /* of the activates behind it, which may compile, too */
+    bool has_voxels;      /* the frame has them */
+    double began, spared; /* seconds; the first activate compiles, whatever the recording asks for */
+    double longest;       /* of the activates behind it, which may compile, too */
     lines here, there;
     uint64_t frame_index;
     rp_frame frame; /* under way, if it is to be drawn */
@@ -191,12 +191,6 @@ static void keep_maps(player *p) {
     p->frame = (rp_frame){0};
 }
 
-static double now_ms(void) {
-    struct timespec t;
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
-
 /* The plugin's activation follows what happens here, not what was recorded: its memory is freed behind it. */
 static void end_activation(player *p) {
     if (p->active) p->plugin.instance->deactivate(p->plugin.instance);
@@ -212,13 +206,13 @@ static bool play_activate(player *p, hs_error *err) {
     sv_format format = p->hand.format;
     format.value_count = list_values(p, true);
     format.values = format.value_count ? p->values : NULL;
-    const double start = now_ms();
+    const double start = hs_now();
     p->status = in->activate(in, &format);
-    const double took = now_ms() - start;
-    if (p->spared_ms == 0.0)
-        p->spared_ms = took;
+    const double took = hs_now() - start;
+    if (p->spared == 0.0)
+        p->spared = took;
     else
-        p->longest_ms = fmax(p->longest_ms, took);
+        p->longest = fmax(p->longest, took);
     p->active = hs_status_is_success(p->status);
     return true;
 }
@@ -262,7 +256,7 @@ static bool play_result(player *p, hs_error *err) {
 
 static bool play_call(player *p, hs_error *err) {
     const bool frames = p->item.kind >= RC_BEGIN;
-    const double start = now_ms();
+    const double start = hs_now();
     bool ok = true;
     /* A frame of an activation that was refused here alone has nobody to go to. */
     p->played = p->item.sound && (!frames || p->active);
@@ -292,7 +286,7 @@ static bool play_call(player *p, hs_error *err) {
     default: /* create and destroy are made around all of it */
         p->played = false;
     }
-    if (frames) p->report->ms += now_ms() - start;
+    if (frames) p->report->ms += 1e3 * (hs_now() - start);
     return ok;
 }
 
@@ -371,8 +365,8 @@ static void meet_plugin(player *p) {
 
 static bool is_in_time(const player *p, hs_error *err) {
     const bool activates = p->item.type == REC_CALL && p->item.kind == RC_ACTIVATE;
-    const double seconds = (now_ms() - p->began_ms - p->spared_ms) * 1e-3;
-    return seconds + (activates ? p->longest_ms * 1e-3 : 0.0) <= p->o->seconds ||
+    const double seconds = hs_now() - p->began - p->spared;
+    return seconds + (activates ? p->longest : 0.0) <= p->o->seconds ||
            hs_fail(err, HS_ERR_INPUT,
                    "%s: has been played for %.1f s, and a recording of this size may take %.1f: --seconds "
                    "allows more",
@@ -382,7 +376,7 @@ static bool is_in_time(const player *p, hs_error *err) {
 static bool play_items(player *p, rec_reader *reader, hs_error *err) {
     char wrong[1500];
     int there;
-    p->began_ms = now_ms();
+    p->began = hs_now();
     while ((there = rec_reader_next(reader, &p->item, wrong, sizeof wrong)) == 1) {
         if (!is_in_time(p, err)) return false;
         if (p->item.type == REC_PLUGIN) meet_plugin(p);
