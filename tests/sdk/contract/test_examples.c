@@ -48,33 +48,15 @@ static rig_format plain(void) {
                         .padding = SV_NO_PADDING};
 }
 
-/* Activates, runs one frame with ranges (NULL: without), and deactivates. The outcome. */
+/* One frame of an activation, with ranges (NULL: without). The outcome. */
 static sv_status run(rig *r, const rig_format *f, const uint8_t *volume, const sv_scanned *ranges,
                      const sv_param_value *values, uint32_t count, rig_result *out) {
-    const sv_plugin *p = r->plugin;
-    stage *t = rig_stage(r, f, volume);
-    t->format.flags = ranges ? SV_FORMAT_SCANNED : 0;
-    for (int i = 0; i < 3; i++) t->format.spacing_mm[i] = 1.5f;
-    sv_status status = p->activate(p, &t->format);
-    if (status != SV_OK) fail_msg("activate: %d: %s", status, p->last_error(p));
-    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = count, .scanned = ranges};
-    assert_int_equal(p->begin(p, &frame), SV_OK);
-    for (uint32_t n = 0; n < t->slab_count; n++) {
-        const sv_slab slab = stage_slab(t, n);
-        assert_int_equal(p->slab(p, &slab), SV_OK);
-    }
-    const sv_result result = {
-        .size = sizeof result, .depth = out->depth, .status = out->status, .stats = &out->stats};
-    status = p->end(p, &result);
-    if (!f->own_queue) {
-        assert_int_equal(status, SV_OK);
-        assert_int_equal(clFinish(r->queue), CL_SUCCESS);
-    } else {
-        assert_int_equal(status, out->stats.outcome);
-    }
-    p->deactivate(p);
-    rig_stage_free(t);
-    return out->stats.outcome;
+    rig_format how = *f;
+    how.scanned = ranges;
+    how.voxel_mm = 1.5f;
+    const sv_status status = rig_run(r, &how, volume, values, count, out);
+    if (status < SV_OK) fail_msg("%d: %s", status, r->last_log);
+    return status;
 }
 
 /* ---- known answers */
