@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/layer_fixture.h"
 
+#include "support/plain_format.h"
+
 #include "smartvis/confidence.h"
 #include "support/unit.h"
 
@@ -28,19 +30,9 @@ static void fill(layer_subject *s) {
         for (uint32_t z = 0; z < SLICES; z++) s->volume[z][i] = (uint8_t)(z < 4 ? 120 : z < far ? 8 : 200);
         s->ranges[i] = (sv_scanned){0, SLICES};
     }
-    s->format = (sv_format){.size = sizeof s->format,
-                            .width = W,
-                            .height = H,
-                            .slices = SLICES,
-                            .max_slab_slices = SLAB,
-                            .voxel_type = SV_VOXEL_U8,
-                            .carrier = SV_CARRIER_HOST,
-                            .padding_value = SV_NO_PADDING,
-                            .tiles_x = 1,
-                            .tile_w = W,
-                            .tile_h = H,
-                            .row_pitch = W,
-                            .flags = SV_FORMAT_SCANNED};
+    s->format = plain_format(W, H, SLICES, 1);
+    s->format.max_slab_slices = SLAB;
+    s->format.flags = SV_FORMAT_SCANNED;
     s->stats.size = sizeof s->stats;
     s->frame = (sv_frame){.size = sizeof s->frame, .index = 7, .time_ns = 100, .scanned = s->ranges};
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/surfaces.h"
 
+#include "support/plain_format.h"
+
 #include "support/unit.h"
 
 #include <assert.h>
@@ -114,21 +116,11 @@ static sv_status run_active(rig *r, const surface_points *points, const uint8_t 
 }
 
 sv_format surface_format(const surface_points *points, const sv_param_value *values, uint32_t count) {
-    return (sv_format){.size = sizeof(sv_format),
-                       .width = points->width,
-                       .height = points->height,
-                       .slices = points->slices,
-                       .max_slab_slices = points->slices,
-                       .voxel_type = SV_VOXEL_U8,
-                       .carrier = SV_CARRIER_HOST,
-                       .padding_value = SV_NO_PADDING,
-                       .tiles_x = 1,
-                       .tile_w = points->width,
-                       .tile_h = points->height,
-                       .row_pitch = points->width,
-                       .spacing_mm = {1.0f, 1.0f, 1.0f},
-                       .values = values,
-                       .value_count = count};
+    sv_format format = plain_format(points->width, points->height, points->slices, 1);
+    for (int i = 0; i < 3; i++) format.spacing_mm[i] = 1.0f;
+    format.values = values;
+    format.value_count = count;
+    return format;
 }
 
 sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,

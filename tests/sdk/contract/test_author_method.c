@@ -7,6 +7,7 @@
 
 #include <math.h>
 
+#include "support/plain_format.h"
 #include "support/unit.h"
 
 enum { WIDTH = 5, HEIGHT = 3, SLICES = 4, RAYS = WIDTH * HEIGHT };
@@ -98,18 +99,9 @@ static uint8_t volume[SLICES * RAYS];
 static float depth[RAYS];
 
 static sv_format small_format(void) {
-    return (sv_format){.size = sizeof(sv_format),
-                       .width = WIDTH,
-                       .height = HEIGHT,
-                       .slices = SLICES,
-                       .max_slab_slices = SLICES,
-                       .voxel_type = SV_VOXEL_U8,
-                       .carrier = SV_CARRIER_HOST,
-                       .padding_value = 9,
-                       .tiles_x = 2,
-                       .tile_w = WIDTH,
-                       .tile_h = HEIGHT,
-                       .row_pitch = 2 * WIDTH};
+    sv_format format = plain_format(WIDTH, HEIGHT, SLICES, 2);
+    format.padding_value = 9;
+    return format;
 }
 
 static const sv_plugin *make(const sva_method *method) {

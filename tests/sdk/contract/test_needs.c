@@ -6,6 +6,7 @@
  */
 #include "smartvis/needs.h"
 #include "smartvis/timing.h"
+#include "support/plain_format.h"
 #include "support/rig.h"
 #include "support/unit.h"
 #include "validate/spy/cl_spy.h"
@@ -172,20 +173,11 @@ static void told_is_taken(void **state) {
 static void the_device_counts(void **state) {
     rig *r = *state;
     const sv_param_value mean = {rig_param(r, "method"), 0, rig_enum(r, "method", "mean")};
-    const sv_format format = {.size = sizeof format,
-                              .width = 300,
-                              .height = 300,
-                              .slices = 64,
-                              .max_slab_slices = 16,
-                              .voxel_type = SV_VOXEL_U8,
-                              .carrier = SV_CARRIER_BUFFER,
-                              .padding_value = SV_NO_PADDING,
-                              .tiles_x = 4,
-                              .tile_w = 300,
-                              .tile_h = 300,
-                              .row_pitch = 1200,
-                              .values = &mean,
-                              .value_count = 1};
+    sv_format format = plain_format(300, 300, 64, 4);
+    format.max_slab_slices = 16;
+    format.carrier = SV_CARRIER_BUFFER;
+    format.values = &mean;
+    format.value_count = 1;
     const uint32_t cpu = SV_NEEDS_CPU | SV_NEEDS_UNIFIED | SV_NEEDS_DOUBLES;
     const sv_needs_device devices[] = {{sizeof *devices, cpu, 2, 0},
                                        {sizeof *devices, cpu, 64, 0},
@@ -208,17 +200,9 @@ static void what_cannot_be_is_refused(void **state) {
     rig *r = *state;
     const sv_plugin *p = r->plugin;
     const sv_ext_needs *ext = needs_of(r);
-    sv_format format = {.size = sizeof format,
-                        .width = 8,
-                        .height = 8,
-                        .slices = 8,
-                        .max_slab_slices = 8,
-                        .voxel_type = SV_VOXEL_U8,
-                        .carrier = SV_CARRIER_IMAGE,
-                        .padding_value = SV_NO_PADDING,
-                        .tiles_x = 4,
-                        .tile_w = 8,
-                        .tile_h = 8};
+    sv_format format = plain_format(8, 8, 8, 4);
+    format.carrier = SV_CARRIER_IMAGE;
+    format.row_pitch = 0;
     sv_needs_device device = {sizeof device, SV_NEEDS_CPU, 1, 0};
     sv_needs needs = {.size = sizeof needs};
     const sv_param_value unknown = {.id = 999}, fixed = {rig_param(r, "method"), 0, 0};

@@ -4,6 +4,7 @@
  * numbers. What activate says it needs is what it makes, to the byte.
  */
 #include "support/fixture.h"
+#include "support/plain_format.h"
 #include "support/surfaces.h"
 #include "support/unit.h"
 #include "validate/spy/cl_spy.h"
@@ -74,21 +75,10 @@ static void no_buffer_is_too_large(void **state) {
 static void the_largest_format(void **state) {
     fixture *f = *state;
     enum { SIDE = 8192 };
-    const sv_format format = {.size = sizeof format,
-                              .width = SIDE,
-                              .height = SIDE,
-                              .slices = SIDE,
-                              .max_slab_slices = SIDE,
-                              .voxel_type = SV_VOXEL_U8,
-                              .carrier = SV_CARRIER_HOST,
-                              .padding_value = SV_NO_PADDING,
-                              .tiles_x = 1,
-                              .tile_w = SIDE,
-                              .tile_h = SIDE,
-                              .row_pitch = SIDE,
-                              .context = f->r.context,
-                              .device = f->r.device,
-                              .queue = f->r.queue};
+    sv_format format = plain_format(SIDE, SIDE, SIDE, 1);
+    format.context = f->r.context;
+    format.device = f->r.device;
+    format.queue = f->r.queue;
     spy_watch(f->r.entry);
     const sv_status status = f->r.plugin->activate(f->r.plugin, &format);
     fixture_refused(f, status, SV_ERR_FORMAT, "activate: a format of 8192 x 8192 x 8192 needs ");
