@@ -6,9 +6,8 @@
  * Access: a work item owns one row y of rays. It walks the row in vectors of SV_STRIP rays and, for each
  * vector, the slab's slices from front to back; all state of the vector is in registers meanwhile:
  *
- *      texture row y:  | slice 0: [v0][v1][v2].. | slice 1: [v0][v1].. | ...      vector v0 reads the first
- *                         ^                         ^                             column of blocks, then v1,
- * ...
+ *      texture row y:  | slice 0: [v0][v1][v2].. | slice 1: [v0][v1].. | ...
+ *                                  ^                         ^  vector v0 reads these, then v1 its own
  *
  * Positions within a chunk of slices are 8-bit and relative to it (0: "not since the chunk began"); they are
  * merged into the 16-bit state once per chunk. So the inner loop has only 8-bit lanes and no branch.

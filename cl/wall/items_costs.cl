@@ -13,7 +13,7 @@ typedef struct {
     __global const uchar *levels, *brightness,
         *kinds;                     /* of the first layer; brightness and kinds are those of the ray's cell */
     size_t level_pitch, cell_pitch; /* from one layer to the next */
-    __global const uint *chances;
+    __global const uint *probabilities;
     bool bare;                     /* there is no wall */
     uint first, end, run, run_end; /* scanned layers, the first run */
     bool scanned, touches;         /* the first run begins where the scan does */
@@ -38,20 +38,20 @@ static layers_t layers_of(const sv_wall_layout *l, __global ushort *scratch, uin
 }
 
 /* Multiplies probabilities, rounding half up. */
-static uint share(uint value, uint chance) {
-    return (value * chance + SV_WALL_PROBABILITY_ONE / 2u) / (uint)SV_WALL_PROBABILITY_ONE;
+static uint share(uint value, uint probability) {
+    return (value * probability + SV_WALL_PROBABILITY_ONE / 2u) / (uint)SV_WALL_PROBABILITY_ONE;
 }
 
 /* Multiplies a cost by a probability, rounding down. */
-static uint share_of_cost(uint cost, uint chance) {
-    return cost * chance / (uint)SV_WALL_PROBABILITY_ONE;
+static uint share_of_cost(uint cost, uint probability) {
+    return cost * probability / (uint)SV_WALL_PROBABILITY_ONE;
 }
 
 /* Returns the probability that tissue is the fetus. */
 static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     const size_t at = z * r->cell_pitch;
-    const uint kind = r->kinds[at], chance = r->chances[r->brightness[at]];
-    const uint any = chance >> 16, first = chance & 0xffffu;
+    const uint kind = r->kinds[at], probability = r->probabilities[r->brightness[at]];
+    const uint any = probability >> 16, first = probability & 0xffffu;
     if (!r->touches || r->run_end <= z) return (kind & CELL_ENCLOSED) ? first : any;
     if (z < r->run + l->skin) return 0; /* the skin tells nothing */
     if (kind & CELL_FLANKED) return any;
@@ -65,8 +65,8 @@ static uint certainty_of(const sv_wall_layout *l, uint level, bool known) {
 }
 
 /* Returns what remains of a probability if there is no fluid. */
-static uint doubt_of(uint chance, uint certain) {
-    return chance - share(chance, certain);
+static uint doubt_of(uint probability, uint certain) {
+    return probability - share(probability, certain);
 }
 
 /* Walks all layers from front to back. */
@@ -169,7 +169,7 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const layers_t s = layers_of(&l, scratch, row, x);
-    ray_t r = {.chances = info + SV_WALL_INFO_CHANCES, .bare = info[SV_WALL_INFO_BARE] != 0};
+    ray_t r = {.probabilities = info + SV_WALL_INFO_CHANCES, .bare = info[SV_WALL_INFO_BARE] != 0};
     r.levels = levels + level_row(&l, 0, row) + x;
     r.level_pitch = level_pitch_of(&l);
     r.brightness = brightness + cell_row(&l, 0, row / 2) + x / 2;
