@@ -72,9 +72,10 @@ typedef enum {
 } sv_wall_when;
 
 typedef struct {
-    int kernel, takes;
+    int kernel;
     sv_wall_over over;
     int buffers[10]; /* up to -1 */
+    int takes;
     sv_wall_when when;
 } sv_wall_launch;
 
