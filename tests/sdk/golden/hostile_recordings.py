@@ -106,7 +106,7 @@ small, image = form(side=48, slices=32), form(carrier=IMAGE)
 off = done(DEACTIVATE)
 line = part(LINE, struct.pack("<i", 0) + text("end: 16 of 16 pixels are without a surface"))
 # Frames of which the voxels were not kept: some 200 bytes each.
-scan_of_nothing = done(BEGIN, frame()) + done(SLAB, slab(0, 256)) + call(FINISH, result) + returned(FINISH)
+scan_of_nothing = done(BEGIN, frame()) + done(SLAB, slab(0, 256)) + done(FINISH, result)
 # A larger activation that did not come about, or of which nobody knows: what follows is of the small one.
 large = form(side=1000, slices=100)
 # The debug line of author.h for a method that keeps nothing of its own.
@@ -146,23 +146,20 @@ apart = {
     + done(BEGIN, frame())
     + adjusts(200)
     + done(SLAB, slab(0, 4, voxels_of(4, 4)))
-    + call(FINISH, result)
-    + returned(FINISH)
+    + done(FINISH, result)
     + off,
     "adjusts_before_many_slabs": start
     + done(ACTIVATE, form(side=4, slices=64, carrier=IMAGE))
     + done(BEGIN, frame())
     + adjusts(68)
     + b"".join(done(SLAB, slab(z, 1, voxels_of(4, 1))) for z in range(64))
-    + call(FINISH, result)
-    + returned(FINISH)
+    + done(FINISH, result)
     + off,
     "adjusts_between_slabs": start
     + done(ACTIVATE, image)
     + done(BEGIN, frame())
     + b"".join(done(SLAB, slab(z, 1, voxels_of(4, 1))) + adjusts(9) for z in range(4))
-    + call(FINISH, result)
-    + returned(FINISH)
+    + done(FINISH, result)
     + off,
     "adjusts_without_frame": start + done(ACTIVATE, image) + adjusts(50) + off,
 }
