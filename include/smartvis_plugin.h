@@ -23,8 +23,7 @@
  * WHAT IT COMPUTES. For every viewing ray the depth at which the host's renderer may start, so that the
  * fetus is seen and nothing hides it: the *clipping depthmap* (thesis 3.2 to 3.4).
  *
- * AXES. The volume is camera-aligned and the camera is orthographic: a viewing ray is one column (x, y),
- * walked in +z.
+ * AXES. The volume is camera-aligned, the camera orthographic: a viewing ray is a column (x, y) along +z.
  *
  *            viewer                         x  to the right, 0 .. width - 1
  *              |                            y  down,         0 .. height - 1
@@ -58,8 +57,7 @@
  * INTENSITIES are 8-bit unorm: 0 .. 255 stands for 0 .. 1, and thresholds are given in 0 .. 1.
  *
  * WHERE THE FAN IS. Black fluid is 0, and so, in most machines, is what lies outside the fan. What was not
- * scanned is neither fluid nor tissue: a ray skips it. A host knows its geometry and says for every ray which
- * slices were scanned:
+ * scanned is neither fluid nor tissue: a ray skips it. A host says for every ray which slices were scanned:
  *
  *     ray (x, y):   [ not scanned | scanned .................... | not scanned ]
  *     slice:          0 ..          first .................. end - 1         .. slices - 1
@@ -123,9 +121,8 @@
  * struct it was compiled with: sv_host, sv_param_info, sv_format, sv_frame, sv_slab, sv_stats, sv_result,
  * sv_descriptor, sv_plugin and every struct of an extension; sv_entry has its size behind the version.
  * sv_param_value and sv_scanned travel in arrays: they have no size and never grow. Fields are appended,
- * never moved or reused. A reader tests SV_HAS before it reads a field that is newer than 1.0; a writer
- * writes no further than `size`. Unknown enum values, flags and ids are refused with an error, never guessed.
- * Reserved fields are 0.
+ * never moved or reused. A reader tests SV_HAS before it reads a field newer than 1.0; a writer stays within
+ * `size`. Unknown enum values, flags and ids are refused with an error, never guessed. Reserved fields are 0.
  *
  * NOT IN 1.0, and how it would come without breaking anything:
  *
@@ -154,7 +151,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Around all that a header declares, for C++. */
 #ifdef __cplusplus
 #define SMARTVIS_BEGIN_C extern "C" {
 #define SMARTVIS_END_C   }
@@ -162,7 +158,6 @@
 #define SMARTVIS_BEGIN_C
 #define SMARTVIS_END_C
 #endif
-
 SMARTVIS_BEGIN_C
 
 #define SV_ABI_MAJOR 1u /* differs: the host must not call anything */
