@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gzip
 import os
 import re
 import tempfile
@@ -53,7 +54,9 @@ def says_spacing(path: Path, fields: dict[str, str], reader: Any) -> bool:
     if name.endswith((".mha", ".mhd")):
         return "elementspacing" in fields or "elementsize" in fields
     if reader.HasMetaDataKey("pixdim[1]"):
-        return all(float(reader.GetMetaData(f"pixdim[{axis}]")) != 0 for axis in (1, 2, 3))
+        apart = {float(reader.GetMetaData(f"pixdim[{axis}]")) for axis in (1, 2, 3)}
+        has_unit = int(float(reader.GetMetaData("xyzt_units"))) & 7  # ITK tells 0 as 1
+        return 0 not in apart and (apart != {1.0} or bool(has_unit))
     return not name.endswith(".vtk") or b"SPACING" in first_bytes(path).upper()
 
 
@@ -110,6 +113,24 @@ def patched(path: Path, fields: dict[str, str]) -> Any:
     copy.write(b"\n".join([*kept[:2], *lines, *kept[2:]]) + b"\n" + line + value + b"\n" + voxels)
     copy.flush()
     return copy
+
+
+def unsay_spacing(path: Path) -> None:
+    """Takes the 1 mm that ITK writes where nothing is known out of a NRRD, MetaImage or NIfTI."""
+    name, data = path.name.lower(), path.read_bytes()
+    if name.endswith((".nii", ".nii.gz")):
+        packed = name.endswith(".gz")
+        nifti = bytearray(gzip.decompress(data) if packed else data)
+        nifti[123:124] = bytes(1)  # xyzt_units
+        nifti[252:256] = bytes(4)  # qform_code, sform_code
+        data = gzip.compress(nifti, mtime=0) if packed else bytes(nifti)
+    elif name.endswith((".nrrd", ".nhdr")):
+        head, blank, voxels = data.partition(b"\n\n")
+        data = re.sub(rb"\nspace(?: directions| origin)?: [^\n]*", b"", head) + blank + voxels
+    elif name.endswith((".mha", ".mhd")):
+        head, last, voxels = data.partition(b"\nElementDataFile")
+        data = re.sub(rb"\nElementSpacing = [^\n]*", b"", head) + last + voxels
+    path.write_bytes(data)
 
 
 def first_bytes(path: Path) -> bytes:

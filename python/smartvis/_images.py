@@ -64,7 +64,9 @@ def array(image: Any) -> NDArray[Any]:
 
 
 def like(image: Any, voxels: NDArray[Any]) -> Any:
-    """`voxels` as an image with the geometry of `image`."""
+    """`voxels` as an image with the geometry of `image`, known or not."""
     made = sitk().GetImageFromArray(voxels.astype(np.uint8) if voxels.dtype == bool else voxels)
     made.CopyInformation(image)
+    if not says_spacing(image):
+        made.SetMetaData(NOT_SAID, "1")
     return made

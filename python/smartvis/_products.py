@@ -28,6 +28,8 @@ def depth_image(image: Any, result: Result) -> Any:
     made.SetDirection((direction @ camera.rotation.T).ravel().tolist())
     first = camera.to_volume_mm(np.zeros(3))
     made.SetOrigin((np.array(image.GetOrigin()) + direction @ first).tolist())
+    if not result.spacing_known:
+        made.SetMetaData(_images.NOT_SAID, "1")
     return made
 
 

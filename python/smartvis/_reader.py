@@ -380,9 +380,21 @@ def _unreadable(path: Path, error: OSError) -> FileError:
     return FileError(f"{error.filename or path}: cannot be read: {error.strerror or error}")
 
 
+_SAID = (  # what SimpleITK's libraries say, and what it means
+    (r"bzip2 encoding not available", "it is compressed with bzip2, which is not read here: save it with gzip"),
+    (r"couldn't open \"(.*?)\"", "its data file cannot be opened: {}"),
+    (r"fread got only|ran out of|hit EOF|premature EOF", "its data end early"),
+    (r"Unable to determine ImageIO", "no NRRD, MetaImage, NIfTI, TIFF, DICOM or Kretz file"),
+    (r"unexpected scales in sform", "its sform and its pixdim disagree about how far apart voxels are"),
+)
+
+
 def reason(error: RuntimeError) -> str:
-    """The last line of SimpleITK's many, without its places in the source."""
+    """What SimpleITK means by its many lines; the last one, without its places in the source, if that is not known."""
     if isinstance(error, RecursionError):
         return "its sequences are nested too deep"
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return lines[-1].split("ERROR: ")[-1] if lines else "not readable"
+    for pattern, meaning in _SAID:
+        if found := re.search(pattern, str(error)):
+            return meaning.format(*found.groups())
+    return re.sub(r"^.*ERROR: |^\[nrrd\] \w+: ", "", lines[-1]) if lines else "not readable"

@@ -8,9 +8,10 @@ import os
 import pickle
 import signal
 import sys
+from pathlib import Path
 from typing import Any
 
-from . import _images
+from . import _geometry, _images
 from ._errors import FileError, HostError, MissingExtraError, OutputError
 from ._reader import Reader, reason
 
@@ -37,6 +38,8 @@ def write(path: str, part: str, image: tuple[Any, ...]) -> None:
     """Writes an image in the format that `part` names, compressed where the format can."""
     try:
         _images.sitk().WriteImage(_images.whole(*image), part, True)
+        if _images.NOT_SAID in image[-1]:
+            _geometry.unsay_spacing(Path(part))
     except RuntimeError as error:
         raise OutputError(f"{path}: {reason(error)}") from None
 

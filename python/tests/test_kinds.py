@@ -14,7 +14,7 @@ import SimpleITK as sitk
 from conftest import BUILD, LONG
 
 import smartvis
-from smartvis import _process
+from smartvis import _images, _process
 from smartvis._files import Source
 from smartvis.cli import main
 
@@ -203,6 +203,36 @@ def test_what_is_not_so_is_said(tmp_path: Path, scan: np.ndarray, name: str, cap
         assert main([*command, "--spacing", "1.25,1.25,2.5"]) == 0
         told = "".join(capsys.readouterr())
         assert words not in told and " mm on average" in told
+
+
+@pytest.mark.parametrize("suffix", [".nrrd", ".mha", ".nii.gz"])
+def test_what_is_written_says_no_spacing_that_nobody_knows(tmp_path: Path, scan: np.ndarray, suffix: str) -> None:
+    nrrd(tmp_path / "scan.nrrd", scan)
+    command = ["clip", str(tmp_path / "scan.nrrd"), "--out", str(tmp_path), "--format", suffix]
+    for more, told in (([], False), (["--spacing", "1.25,1.25,2.5"], True)):
+        assert main([*command, "--write", "clipped,depth", *more]) == 0
+        for product in ("clipped", "depth"):
+            image = Source(tmp_path / f"scan_{product}{suffix}").read()
+            assert _images.says_spacing(image) == told
+            assert np.allclose(image.GetSpacing()[:2], SPACING[:2] if told else (1, 1))
+            voxels = sitk.GetArrayFromImage(image)
+            assert voxels.shape[1:] == (96, 96) and voxels.max() > 30
+
+
+@pytest.mark.parametrize(
+    ("encoding", "words"),
+    [
+        ("bzip2", "it is compressed with bzip2"),
+        ("raw\ndata file: lost.raw", "its data file cannot be opened"),
+        ("raw", "its data end early"),
+    ],
+)
+def test_what_a_library_says_is_told_in_our_words(tmp_path: Path, encoding: str, words: str) -> None:
+    head = f"NRRD0005\ntype: uchar\ndimension: 3\nsizes: 96 96 48\nencoding: {encoding}\n\n"
+    (tmp_path / "a.nrrd").write_bytes(head.encode() + bytes(1000))
+    with pytest.raises(smartvis.SmartVisError, match=words) as told:
+        Source(tmp_path / "a.nrrd").read()
+    assert "nrrd]" not in str(told.value)
 
 
 def test_every_door_gives_the_same_bits(tmp_path: Path, scan: np.ndarray) -> None:
