@@ -323,6 +323,12 @@ bool hs_clipper_read_depth(const hs_clipper *clipper, float *depth, hs_error *er
     return read_map(clipper, clipper->depth, depth, "clEnqueueReadBuffer (depthmap)", err);
 }
 
+bool hs_clipper_write_depth(hs_clipper *clipper, const float *depth, hs_error *err) {
+    return hs_cl_check(clEnqueueWriteBuffer(clipper->cl->queue, clipper->depth, CL_TRUE, 0,
+                                            clipper->pixels * sizeof *depth, depth, 0, NULL, NULL),
+                       "clEnqueueWriteBuffer (marks)", err);
+}
+
 bool hs_clipper_read_confidence(const hs_clipper *clipper, float *confidence, hs_error *err) {
     return read_map(clipper, hs_confidence_map_values(clipper->confidence), confidence,
                     "clEnqueueReadBuffer (confidence)", err);

@@ -77,6 +77,8 @@ const hs_start_depths *hs_clipper_start(const hs_clipper *clipper, bool clipped,
 /* Reads back what the last call left, width * height values of the slabs' layout: the depthmap in slices, the
  * confidence 0 .. 1 (only where hs_clip.has_confidence). Waits for the queue. HS_ERR_DEVICE. */
 bool hs_clipper_read_depth(const hs_clipper *clipper, float *depth, hs_error *err);
+/* Another depthmap in place of the last call's; waits. */
+bool hs_clipper_write_depth(hs_clipper *clipper, const float *depth, hs_error *err);
 bool hs_clipper_read_confidence(const hs_clipper *clipper, float *confidence, hs_error *err);
 /* SV_POINT_* of every pixel, of the last frame that was asked for them; owned by the clipper. */
 const uint8_t *hs_clipper_status(const hs_clipper *clipper);

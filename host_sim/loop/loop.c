@@ -337,9 +337,29 @@ void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame) {
     frame->points = clip->points;
 }
 
+bool hs_loop_mark(hs_loop *loop, uint32_t index, const hs_clip *clip, hs_error *err) {
+    const hs_loop_options *o = &loop->options;
+    loop->asked = index;
+    if (!clip->clipped || o->mark_count == 0) return true;
+    const hs_slab_layout *l = hs_loop_layout(loop);
+    const uint32_t n[3] = {l->width, l->height, l->slices};
+    const hs_volume *volume = hs_source_bring(loop->source, loop->resident, err);
+    float *depth = volume ? calloc((size_t)n[0] * n[1], sizeof *depth) : NULL;
+    if (!depth) return volume && hs_fail(err, HS_ERR_MEMORY, "marks: no memory for %u x %u", n[0], n[1]);
+    hs_camera camera;
+    hs_loop_camera(loop, index, &camera);
+    const bool ok = hs_clipper_read_depth(loop->clipper, depth, err) &&
+                    hs_marks_apply(o->marks, o->mark_count, volume, &camera, n, depth, err) &&
+                    hs_clipper_write_depth(loop->clipper, depth, err);
+    free(depth);
+    return ok;
+}
+
 bool hs_loop_ask(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {
     hs_clip clip;
-    if (!hs_clipper_frame(loop->clipper, hs_loop_moment(loop, index), &clip, err)) return false;
+    if (!hs_clipper_frame(loop->clipper, hs_loop_moment(loop, index), &clip, err) ||
+        !hs_loop_mark(loop, index, &clip, err))
+        return false;
     hs_loop_note_clip(&clip, frame);
     return true;
 }

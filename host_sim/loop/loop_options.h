@@ -3,6 +3,7 @@
 #ifndef HS_LOOP_OPTIONS_H
 #define HS_LOOP_OPTIONS_H
 
+#include "loop/marks.h"
 #include "plugin/capabilities.h"
 #include "render/dvr.h"
 #include "smartvis_plugin.h"
@@ -51,6 +52,8 @@ typedef struct {
     hs_dvr_settings dvr;
     const sv_param_value *values; /* plugin parameters; must outlive the loop */
     uint32_t value_count;
+    const hs_mark *marks; /* change the plugin's map, if it has one; must outlive the loop */
+    uint32_t mark_count;
 } hs_loop_options;
 
 #define HS_LOOP_MAX_ZOOM 32.0

@@ -27,12 +27,13 @@ static bool take_clip(hs_loop *loop, const hs_clip *clip, hs_frame *frame, float
 bool hs_loop_clip(hs_loop *loop, uint32_t index, hs_frame *frame, float *map, hs_error *err) {
     hs_clip clip;
     return hs_clipper_frame(loop->clipper, hs_loop_alone(loop, index), &clip, err) &&
-           take_clip(loop, &clip, frame, map, err);
+           hs_loop_mark(loop, index, &clip, err) && take_clip(loop, &clip, frame, map, err);
 }
 
 bool hs_loop_adjust(hs_loop *loop, sv_param_value value, hs_frame *frame, float *map, hs_error *err) {
     hs_clip clip;
-    return hs_clipper_adjust(loop->clipper, value, &clip, err) && take_clip(loop, &clip, frame, map, err);
+    return hs_clipper_adjust(loop->clipper, value, &clip, err) &&
+           hs_loop_mark(loop, loop->asked, &clip, err) && take_clip(loop, &clip, frame, map, err);
 }
 
 bool hs_loop_ray_ends(hs_loop *loop, uint32_t index, const hs_frame *frame, float *ends, hs_error *err) {

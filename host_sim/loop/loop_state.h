@@ -21,11 +21,15 @@ struct hs_loop {
     uint32_t resident; /* index into source->volumes of the volume on the device */
     bool has_before;   /* the plugin has had a frame: number `before` */
     uint32_t before;
-    bool turned; /* the camera, since that frame */
+    bool turned;    /* the camera, since that frame */
+    uint32_t asked; /* the frame that the plugin's last map is of */
 };
 
 /* Frame `index` on its own: it continues nothing. */
 hs_moment hs_loop_alone(const hs_loop *loop, uint32_t index);
+
+/* Applies the marks to the map of frame `index`, which a call came to. */
+bool hs_loop_mark(hs_loop *loop, uint32_t index, const hs_clip *clip, hs_error *err);
 
 /* What a call of the plugin came to, as part of a frame. */
 void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame);

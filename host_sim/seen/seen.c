@@ -3,6 +3,7 @@
 
 #include "base/threads.h"
 #include "loop/lowres.h"
+#include "loop/marks.h"
 #include "loop/slabs.h"
 #include "plugin/reason.h"
 #include "volume/fan_fit.h"
@@ -207,6 +208,14 @@ int32_t hs_seen_look(const hs_seen_volume *v, const hs_seen_view *view, uint8_t 
     const hs_volume volume = found_volume(v);
     const hs_camera camera = camera_of(v, view);
     return convert(&volume, &camera, view, voxels, ranges);
+}
+
+int32_t hs_seen_mark(const hs_seen_volume *v, const hs_seen_view *view, const void *marks, uint32_t count,
+                     float *depth) {
+    if (!check_size(view->size, sizeof *view, "hs_seen_view") || !check_volume(v)) return 0;
+    const hs_volume volume = found_volume(v);
+    const hs_camera camera = camera_of(v, view);
+    return hs_marks_apply(marks, count, &volume, &camera, view->n, depth, &last);
 }
 
 int32_t hs_seen_reason(const void *report, char words[320]) {

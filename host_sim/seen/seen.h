@@ -67,6 +67,10 @@ HS_SEEN_API int32_t hs_seen_plan(const hs_seen_volume *volume, hs_seen_view *vie
 HS_SEEN_API int32_t hs_seen_look(const hs_seen_volume *volume, const hs_seen_view *view, uint8_t *voxels,
                                  uint16_t *ranges);
 
+/* Applies `count` marks, hs_mark of loop/marks.h, to a depthmap of that grid (hs_marks_apply). */
+HS_SEEN_API int32_t hs_seen_mark(const hs_seen_volume *volume, const hs_seen_view *view, const void *marks,
+                                 uint32_t count, float *depth);
+
 /* A plugin's sv_confidence_report in words for who holds the probe; 0: it tells no reason. */
 HS_SEEN_API int32_t hs_seen_reason(const void *report, char words[320]);
 

@@ -78,6 +78,16 @@ class ClipperCache:
                 self._clippers.popitem()[1].close()
 
 
+def _marks(given: Sequence[Sequence[float]], keep: bool) -> list[tuple[tuple[float, ...], bool]]:
+    """A mark's three or four numbers, each with its kind."""
+    marks = [(*map(float, mark), 5.0)[: max(4, len(mark))] for mark in given]
+    for mark in marks:
+        if len(mark) != 4 or not np.isfinite(mark).all() or mark[3] <= 0:
+            kind = "keep" if keep else "remove"
+            raise ValueError(f"{kind}={mark}, expected (x, y, z) or (x, y, z, radius above 0) in mm")
+    return [(mark, keep) for mark in marks]
+
+
 _cache = ClipperCache()
 atexit.register(_cache.close)
 
@@ -92,6 +102,8 @@ def clip(
     method: str | None = None,
     window: tuple[float, float] | None = None,
     lowres: int = 0,
+    keep: Sequence[Sequence[float]] = (),
+    remove: Sequence[Sequence[float]] = (),
     plugin: Plugin | None = None,
     cache: ClipperCache | None = None,
     **parameters: object,
@@ -117,6 +129,10 @@ def clip(
         those of the plugin, see `parameters()`.
     `window`
         values that become 0 and 255. None: uint8 as it is, other types from the range of what was scanned.
+    `keep`, `remove`
+        a user's marks, each (x, y, z) or (x, y, z, radius) in mm from the centre of voxel (0, 0, 0); radius 5. They
+        change a surface that there is: remove takes away what is seen at the mark, down to the next tissue behind
+        fluid, and then keep brings back what was cut there.
     `lowres`
         pixels across the grid on which the plugin sees the volume. 0: of 1 mm, as `host_sim run` has it, no finer than
         the volume and no coarser than three of its voxels.
@@ -172,6 +188,8 @@ def clip(
     takes = bool(plugin.features & _abi.SV_FEATURE_SCANNED)
     known = None if mm is None else camera.spacing
     result = cache.run(seen, known, ranges if takes else None, plugin, parameters, probe=told, beams=beams)
+    if result.clips and (len(remove) or len(keep)):
+        levels.mark(grid, _marks(remove, False) + _marks(keep, True), result.depth)
     if levels.doubt:  # of a size that no scan has nothing else is the reason
         why = levels.doubt if mm is not None and not result.clips else result.why
         result = replace(result, why=why, doubt=levels.doubt)

@@ -66,6 +66,10 @@ class _View(ctypes.Structure):
     ]
 
 
+class _Mark(ctypes.Structure):
+    _fields_ = [("place", c_double * 3), ("radius", c_double), ("keep", c_uint32)]
+
+
 @cache
 def _library() -> Any:
     own = Path(__file__).with_name("plugin") / "smartvis_seen.so"
@@ -81,7 +85,8 @@ def _library() -> Any:
     library.hs_seen_plan.argtypes = [POINTER(_Volume), POINTER(_View)]
     library.hs_seen_look.argtypes = [POINTER(_Volume), POINTER(_View), c_void_p, c_void_p]
     library.hs_seen_reason.argtypes = [c_void_p, ctypes.c_char_p]
-    for name in ("take", "plan", "look", "reason"):
+    library.hs_seen_mark.argtypes = [POINTER(_Volume), POINTER(_View), c_void_p, c_uint32, c_void_p]
+    for name in ("take", "plan", "look", "mark", "reason"):
         getattr(library, f"hs_seen_{name}").restype = c_int32
     return library
 
@@ -169,6 +174,11 @@ class Levels:
         ranges = np.empty((*grid.shape[1:], 2), np.uint16)
         _call("look", ctypes.byref(self._volume), ctypes.byref(grid.view), _at(voxels), _at(ranges))
         return voxels, ranges
+
+    def mark(self, grid: Grid, marks: Sequence[tuple[Sequence[float], bool]], depth: NDArray[np.float32]) -> None:
+        """Applies marks ((x, y, z, radius) in mm, keep) to the grid's depthmap."""
+        array = (_Mark * len(marks))(*[_Mark((c_double * 3)(*at[:3]), at[3], keep) for at, keep in marks])
+        _call("mark", ctypes.byref(self._volume), ctypes.byref(grid.view), array, len(marks), _at(depth))
 
 
 def look_bytes(shape: Sequence[int]) -> int:

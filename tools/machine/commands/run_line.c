@@ -21,6 +21,34 @@ static bool take_set(void *target, const char *text, hs_error *err) {
     return hs_cli_append("--set", text, line->sets, &line->request.set_count, HS_RUN_MAX_SETS, err);
 }
 
+static bool take_mark(hs_run_line *line, const char *option, const char *text, bool keep, hs_error *err) {
+    uint32_t *count = &line->request.loop.mark_count;
+    hs_mark mark = {.radius = HS_MARK_RADIUS, .keep = keep};
+    double *const numbers[] = {&mark.place[0], &mark.place[1], &mark.place[2], &mark.radius};
+    char copy[128];
+    int n = 0;
+    (void)snprintf(copy, sizeof copy, "%s", text);
+    for (char *at = copy, *rest; at; at = rest, n++) {
+        if ((rest = strchr(at, ',')) != NULL) *rest++ = '\0';
+        if (n < 4 && !hs_cli_number(option, at, n < 3 ? -1e4 : 0.1, n < 3 ? 1e4 : 1e3, numbers[n], err))
+            return false;
+    }
+    if (strlen(text) >= sizeof copy || n < 3 || n > 4)
+        return hs_fail(err, HS_ERR_USAGE, "%s: '%s', expected X,Y,Z or X,Y,Z,R (mm)", option, text);
+    if (*count == HS_MARKS_MAX)
+        return hs_fail(err, HS_ERR_USAGE, "%s: at most %d marks", option, HS_MARKS_MAX);
+    line->marks[(*count)++] = mark;
+    return true;
+}
+
+static bool take_keep(void *target, const char *text, hs_error *err) {
+    return take_mark(target, "--keep", text, true, err);
+}
+
+static bool take_remove(void *target, const char *text, hs_error *err) {
+    return take_mark(target, "--remove", text, false, err);
+}
+
 static bool take_padding(void *target, const char *text, hs_error *err) {
     static const char *const names[] = {"auto", "none", "all"};
     hs_run_line *const line = target;
@@ -166,6 +194,12 @@ static const hs_option options[] = {
      "pixels across the low-resolution volume [1 mm each; a third of the\n"
      "source's resolution at least, all of it at most]\n",
      HS_OPTION_COUNT, AT(loop.lowres), 1, 8192, NULL},
+    {"remove", "X,Y,Z[,R]",
+     "takes away what is seen there, mm from the centre of the first voxel, R mm around [5],\n"
+     "down to the next tissue behind fluid; repeatable, in the order given\n",
+     HS_OPTION_TAKEN, 0, 0, 0, take_remove},
+    {"keep", "X,Y,Z[,R]", "brings back what the plugin cut there; likewise\n", HS_OPTION_TAKEN, 0, 0, 0,
+     take_keep},
     {"verbose", NULL, "prints all the plugin logs; default: warnings and errors\n", HS_OPTION_CHOICE,
      AT(log_level), SV_LOG_DEBUG, 0, NULL},
     HS_GUARD_ROWS(AT(guard)),
@@ -304,6 +338,7 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
     if (line->exposure > 0.0f) line->request.loop.dvr.exposure = line->exposure;
     line->request.volumes = line->volumes;
     line->request.sets = line->sets;
+    line->request.loop.marks = line->marks;
     if (line->request.loop.own_queue && !line->carrier_given) line->request.loop.carrier = SV_CARRIER_HOST;
     line->request.loop.carrier_fixed = line->carrier_given || line->request.loop.own_queue;
     return true;

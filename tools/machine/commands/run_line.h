@@ -7,12 +7,14 @@
 
 #define HS_RUN_MAX_VOLUMES 1024u
 #define HS_RUN_MAX_SETS    64u
+#define HS_MARK_RADIUS     5.0 /* mm, of a mark that has none */
 
 /* The command line as read. The request points into it, so it must not move. */
 typedef struct {
     hs_run_request request;
     const char *volumes[HS_RUN_MAX_VOLUMES];
     const char *sets[HS_RUN_MAX_SETS];
+    hs_mark marks[HS_MARKS_MAX];
     const char *out, *json;
     hs_look look;
     float exposure;     /* 0: as suits the look */

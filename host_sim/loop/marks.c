@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: MIT */
+#include "loop/marks.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define GAP_MM 2.0 /* of fluid, between two runs of tissue */
+
+typedef struct {
+    const hs_volume *volume;
+    hs_box_map map;
+    uint32_t n[3];
+    double pixel, slice; /* mm */
+    double at[3];        /* the mark: pixel x, y, slice */
+    double radius;       /* mm */
+    uint32_t threshold;
+} scene;
+
+/* The mean of the scanned voxels around a place of the grid; 0: nothing was scanned there. */
+static uint32_t level_at(const scene *s, uint32_t x, uint32_t y, uint32_t z) {
+    const hs_volume *v = s->volume;
+    const double u = (x + 0.5) / s->n[0], t = (y + 0.5) / s->n[1], w = (z + 0.5) / s->n[2];
+    const int64_t size[3] = {v->nx, v->ny, v->nz};
+    int64_t first[3], last[3];
+    for (int a = 0; a < 3; a++) {
+        const double index = s->map.origin[a] + u * s->map.du[a] + t * s->map.dv[a] + w * s->map.dw[a];
+        const int64_t i = (int64_t)floor(index + 0.5);
+        if (i < 0 || i >= size[a]) return 0;
+        first[a] = i > 0 ? i - 1 : 0;
+        last[a] = i + 1 < size[a] ? i + 1 : i;
+    }
+    uint32_t sum = 0, count = 0;
+    for (int64_t k = first[2]; k <= last[2]; k++)
+        for (int64_t j = first[1]; j <= last[1]; j++)
+            for (int64_t i = first[0]; i <= last[0]; i++) {
+                const uint8_t level = v->voxels[(size_t)((k * size[1] + j) * size[0] + i)];
+                sum += level;
+                count += level != 0;
+            }
+    return count ? sum / count : 0;
+}
+
+static bool is_near(const scene *s, uint32_t x, uint32_t y) {
+    return hypot(x - s->at[0], y - s->at[1]) * s->pixel <= s->radius;
+}
+
+/* In slices. */
+static double reach_of(const scene *s) {
+    return 2.0 * s->radius / s->slice;
+}
+
+/* Otsu's: levels above it are tissue. */
+static uint32_t split(const uint64_t histogram[256]) {
+    double total = 0, sum = 0, below = 0, sum_below = 0, best = -1;
+    uint32_t threshold = 0;
+    for (uint32_t i = 1; i < 256; i++) {
+        total += (double)histogram[i];
+        sum += (double)histogram[i] * i;
+    }
+    for (uint32_t i = 1; i < 256; i++) {
+        below += (double)histogram[i];
+        sum_below += (double)histogram[i] * i;
+        if (below <= 0 || below >= total) continue;
+        const double apart = sum_below / below - (sum - sum_below) / (total - below);
+        const double between = below * (total - below) * apart * apart;
+        if (between <= best) continue;
+        best = between;
+        threshold = i;
+    }
+    return threshold;
+}
+
+static void find_threshold(scene *s) {
+    uint64_t histogram[256] = {0};
+    for (uint32_t y = 0; y < s->n[1]; y++)
+        for (uint32_t x = 0; x < s->n[0]; x++)
+            for (uint32_t z = 0; is_near(s, x, y) && z < s->n[2]; z++)
+                if (fabs(z - s->at[2]) <= reach_of(s)) histogram[level_at(s, x, y, z)]++;
+    s->threshold = split(histogram);
+}
+
+/* The first run of tissue that ends at or behind slice `from`: [first, end). False: there is none. */
+static bool find_run(const scene *s, uint32_t x, uint32_t y, double from, uint32_t run[2]) {
+    const uint32_t gap = (uint32_t)fmax(1.0, ceil(GAP_MM / s->slice));
+    bool open = false;
+    for (uint32_t z = 0; z < s->n[2]; z++) {
+        if (level_at(s, x, y, z) > s->threshold) {
+            if (!open) run[0] = z;
+            open = true;
+            run[1] = z + 1;
+        } else if (open && z + 1 - run[1] >= gap) {
+            if (run[1] > from) return true;
+            open = false;
+        }
+    }
+    return open && run[1] > from;
+}
+
+static float start_of(const uint32_t run[2]) {
+    return run[0] > 0 ? (float)(run[0] - 1) : 0.0f;
+}
+
+static void apply_to(const scene *s, uint32_t x, uint32_t y, bool keep, float *depth) {
+    const double reach = reach_of(s), start = fmax(0.0, *depth);
+    uint32_t run[2], next[2];
+    if (keep) {
+        const bool there = find_run(s, x, y, fmax(0.0, s->at[2] - reach), run) && run[0] <= s->at[2] + reach;
+        if (there && start_of(run) < *depth) *depth = start_of(run);
+        return;
+    }
+    if (!find_run(s, x, y, start, run)) return;
+    const double seen = fmax(start, run[0]); /* a start inside a run shows what is left of it */
+    if (fabs(seen - s->at[2]) > reach || !find_run(s, x, y, run[1], next)) return;
+    *depth = start_of(next);
+}
+
+/* Where the mark lies in the box: the box' middle is the volume's. */
+static void place(scene *s, const hs_mark *mark, const hs_camera *camera) {
+    const hs_volume *v = s->volume;
+    const double size[3] = {v->nx, v->ny, v->nz};
+    double from_middle[3], seen[3];
+    for (int a = 0; a < 3; a++) from_middle[a] = mark->place[a] - 0.5 * (size[a] - 1) * v->spacing[a];
+    for (int a = 0; a < 3; a++)
+        seen[a] = camera->rotation[a] * from_middle[0] + camera->rotation[3 + a] * from_middle[1] +
+                  camera->rotation[6 + a] * from_middle[2];
+    s->at[0] = (seen[0] + 0.5 * camera->extent) / s->pixel - 0.5;
+    s->at[1] = (seen[1] + 0.5 * camera->extent) / s->pixel - 0.5;
+    s->at[2] = (seen[2] + 0.5 * camera->depth_extent) / s->slice - 0.5;
+    s->radius = mark->radius;
+}
+
+bool hs_marks_apply(const hs_mark *marks, uint32_t count, const hs_volume *volume, const hs_camera *camera,
+                    const uint32_t n[3], float *depth, hs_error *err) {
+    scene s = {.volume = volume, .pixel = camera->extent / n[0], .slice = camera->depth_extent / n[2]};
+    if (count > HS_MARKS_MAX)
+        return hs_fail(err, HS_ERR_USAGE, "%u marks, expected at most %d", count, HS_MARKS_MAX);
+    memcpy(s.n, n, sizeof s.n);
+    hs_camera_box_map(camera, volume, &s.map);
+    for (uint32_t i = 0; i < count; i++) {
+        const hs_mark *m = &marks[i];
+        if (!isfinite(m->place[0] + m->place[1] + m->place[2]) || !(m->radius > 0.0 && isfinite(m->radius)))
+            return hs_fail(err, HS_ERR_USAGE, "mark %g,%g,%g,%g: expected x, y, z in mm and a radius above 0",
+                           m->place[0], m->place[1], m->place[2], m->radius);
+        place(&s, m, camera);
+        find_threshold(&s);
+        for (uint32_t y = 0; y < n[1]; y++)
+            for (uint32_t x = 0; x < n[0]; x++)
+                if (is_near(&s, x, y)) apply_to(&s, x, y, m->keep != 0, &depth[(size_t)y * n[0] + x]);
+    }
+    return true;
+}

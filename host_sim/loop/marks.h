@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/* A user's marks, which change the plugin's depthmap: the one definition, for every door of the machine. */
+#ifndef HS_MARKS_H
+#define HS_MARKS_H
+
+#include "render/camera.h"
+
+enum { HS_MARKS_MAX = 64 };
+
+typedef struct {
+    double place[3]; /* mm along the volume's x, y, z from the centre of its first voxel */
+    double radius;   /* mm, > 0 */
+    uint32_t keep;   /* 1: keep, 0: remove */
+} hs_mark;
+
+/*
+ * Applies marks in their order to a depthmap of n[0] x n[1] pixels and n[2] slices that `camera` sees of
+ * `volume`. A mark works on the rays that pass it within its radius, and on what lies at most two radii
+ * before or behind it. Tissue is what is brighter than Otsu's threshold of that part of its rays (means of 3
+ * x 3 x 3 voxels); a run of tissue ends at 2 mm that are darker. remove: where a ray's first tissue is at the
+ * mark, the ray starts at its next run; if there is none, nothing changes. keep: where the ray's run of
+ * tissue at the mark was cut, the ray starts at that run. A start is one slice before its run. HS_ERR_USAGE:
+ * a mark is not finite or its radius not above 0, or there are more than HS_MARKS_MAX; marks before it are
+ * applied. Any thread.
+ */
+bool hs_marks_apply(const hs_mark *marks, uint32_t count, const hs_volume *volume, const hs_camera *camera,
+                    const uint32_t n[3], float *depth, hs_error *err);
+
+#endif

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+/* A user's marks on a depthmap: rays of 40 slices of 1 mm whose runs of tissue are known. */
+#include "support/host_fixture.h"
+
+#include "loop/marks.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SIDE = 12, DEEP = 40, FLUID = 10, TISSUE = 200 };
+
+static uint8_t voxels[DEEP * SIDE * SIDE];
+static float depth[SIDE * SIDE];
+static const uint32_t n[3] = {SIDE, SIDE, DEEP};
+
+/* Skin in slices 0 .. 4, a cord in 12 .. 17, a face from 25 on. */
+static hs_volume cord_before_face(hs_camera *camera) {
+    for (int z = 0; z < DEEP; z++)
+        memset(voxels + z * SIDE * SIDE, z < 5 || (z >= 12 && z < 18) || z >= 25 ? TISSUE : FLUID,
+               SIDE * SIDE);
+    const hs_volume volume = {
+        .nx = SIDE, .ny = SIDE, .nz = DEEP, .spacing = {1.0, 1.0, 1.0}, .voxels = voxels};
+    hs_camera_look(camera, &volume, 0.0, 0.0);
+    for (int i = 0; i < SIDE * SIDE; i++) depth[i] = 8.0f;
+    return volume;
+}
+
+static void apply(double z, double radius, uint32_t keep) {
+    hs_camera camera;
+    hs_error err = {0};
+    const hs_volume volume = cord_before_face(&camera);
+    const hs_mark mark = {{6.0, 6.0, z}, radius, keep};
+    assert_true(hs_marks_apply(&mark, 1, &volume, &camera, n, depth, &err));
+}
+
+/* Every ray within the radius has `inside`, all others what they had. */
+static void assert_disc(double radius, float inside) {
+    for (int y = 0; y < SIDE; y++)
+        for (int x = 0; x < SIDE; x++)
+            assert_float_equal(depth[y * SIDE + x], hypot(x - 6, y - 6) <= radius ? inside : 8.0f, 0.0f);
+}
+
+static void test_remove_goes_to_the_next_tissue(void **state) {
+    apply(12.0, 3.0, 0);
+    assert_disc(3.0, 24.0f);
+}
+
+static void test_remove_leaves_the_last_tissue(void **state) {
+    hs_camera camera;
+    hs_error err = {0};
+    const hs_volume volume = cord_before_face(&camera);
+    const hs_mark twice[2] = {{{6.0, 6.0, 12.0}, 3.0, 0}, {{6.0, 6.0, 25.0}, 3.0, 0}};
+    assert_true(hs_marks_apply(twice, 2, &volume, &camera, n, depth, &err));
+    assert_disc(3.0, 24.0f);
+}
+
+static void test_remove_works_where_it_is_seen(void **state) {
+    apply(30.0, 3.0, 0); /* the cord is seen, 18 mm before the mark */
+    assert_disc(3.0, 8.0f);
+}
+
+static void test_keep_brings_back_the_skin(void **state) {
+    apply(2.0, 2.0, 1);
+    assert_disc(2.0, 0.0f);
+}
+
+static void test_keep_after_remove(void **state) {
+    hs_camera camera;
+    hs_error err = {0};
+    const hs_volume volume = cord_before_face(&camera);
+    const hs_mark both[2] = {{{6.0, 6.0, 12.0}, 3.0, 0}, {{6.0, 6.0, 15.0}, 3.0, 1}};
+    assert_true(hs_marks_apply(both, 2, &volume, &camera, n, depth, &err));
+    assert_disc(3.0, 11.0f);
+}
+
+/* From behind the same mark is at the same place of the volume, seen at the other end of the rays. */
+static void test_marks_turn_with_the_volume(void **state) {
+    hs_camera camera;
+    hs_error err = {0};
+    const hs_volume volume = cord_before_face(&camera);
+    hs_camera_look(&camera, &volume, 180.0, 0.0);
+    const hs_mark mark = {{6.0, 6.0, 17.0}, 1.0, 0};
+    for (int i = 0; i < SIDE * SIDE; i++) depth[i] = 18.0f; /* behind the face, which ends at 15 of 40 */
+    assert_true(hs_marks_apply(&mark, 1, &volume, &camera, n, depth, &err));
+    for (int y = 0; y < SIDE; y++)
+        for (int x = 0; x < SIDE; x++) /* the skin begins at 35; x is reversed: 11 - 6 */
+            assert_float_equal(depth[y * SIDE + x], hypot(x - 5, y - 6) <= 1.0 ? 34.0f : 18.0f, 0.0f);
+}
+
+static void test_what_is_no_mark(void **state) {
+    hs_camera camera;
+    hs_error err = {0};
+    const hs_volume volume = cord_before_face(&camera);
+    const hs_mark bad[2] = {{{6.0, 6.0, 12.0}, 0.0, 0}, {{NAN, 6.0, 12.0}, 3.0, 0}};
+    for (int i = 0; i < 2; i++) {
+        assert_false(hs_marks_apply(&bad[i], 1, &volume, &camera, n, depth, &err));
+        assert_int_equal(err.code, HS_ERR_USAGE);
+    }
+    assert_false(hs_marks_apply(bad, HS_MARKS_MAX + 1, &volume, &camera, n, depth, &err));
+    assert_disc(0.0, 8.0f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_remove_goes_to_the_next_tissue),
+        cmocka_unit_test(test_remove_leaves_the_last_tissue),
+        cmocka_unit_test(test_remove_works_where_it_is_seen),
+        cmocka_unit_test(test_keep_brings_back_the_skin),
+        cmocka_unit_test(test_keep_after_remove),
+        cmocka_unit_test(test_marks_turn_with_the_volume),
+        cmocka_unit_test(test_what_is_no_mark),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
