@@ -161,7 +161,10 @@ bool hs_met_unsigned(const char **value, uint64_t *out) {
 bool hs_met_number(const char **value, double *out) {
     char *end;
     *out = strtod(*value, &end);
-    const bool ok = end != *value && isfinite(*out) && (*end == '\0' || isspace((unsigned char)*end));
+    /* Other readers know no hexadecimal numbers: one file would have two spacings. */
+    const bool decimal = strcspn(*value, "xX") >= (size_t)(end - *value);
+    const bool ok =
+        end != *value && decimal && isfinite(*out) && (*end == '\0' || isspace((unsigned char)*end));
     *value = end;
     return ok;
 }

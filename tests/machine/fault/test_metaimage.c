@@ -54,6 +54,7 @@ static void values_out_of_range_are_named(void **state) {
         {"ElementType", "MET_UCHAR_ARRAY", "ElementType is 'MET_UCHAR_ARRAY'"},
         {"ElementSpacing", "1 -2 1", "ElementSpacing is '1 -2 1'"},
         {"ElementSpacing", "1 nan 1", "ElementSpacing is '1 nan 1'"},
+        {"ElementSpacing", "0x1.4p0 1 1", "ElementSpacing is '0x1.4p0 1 1'"},
         {"HeaderSize", "18446744073709551615", "0 bytes of data, expected 48"},
         {"ElementDataFile", "", "ElementDataFile is ''"},
         {"ElementDataFile", "none.raw",
