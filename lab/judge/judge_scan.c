@@ -97,7 +97,8 @@ static bool judge_map(const hs_volume *labels, const hs_loop *loop, const float 
     uint8_t *const label = malloc(steps);
     if (!label) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for a ray", labels->name);
     for (uint32_t i = 0; i < l->width * l->height; i++) {
-        const double u = (i % l->width + 0.5) / l->width, v = (i / l->width + 0.5) / l->height;
+        const uint32_t x = i % l->width, y = i / l->width;
+        const double u = (x + 0.5) / l->width, v = (y + 0.5) / l->height;
         for (uint32_t k = 0; k < steps; k++) {
             const double w = (0.5 * slice + k * step_mm) / camera.depth_extent;
             double at[3];

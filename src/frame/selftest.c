@@ -90,10 +90,9 @@ static bool compute_expected(scratch *b, const sv_values *v, const sv_config *c,
     return true;
 }
 
-sv_status sv_selftest_end(sv_pipeline *p, sv_status status, float *depth, uint8_t *points) {
+sv_status sv_selftest_end(sv_pipeline *p, sv_status status, const sv_result *to) {
     if (status == SV_OK) status = sv_pipeline_end(p);
-    const sv_result result = {.size = sizeof result, .depth = depth, .status = points};
-    if (status == SV_OK) status = sv_pipeline_output(p, &result);
+    if (status == SV_OK) status = sv_pipeline_output(p, to);
     const sv_status waited =
         sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     return status == SV_OK ? waited : status;
@@ -119,7 +118,8 @@ static sv_status compute_on_device(sv_pipeline *p, scratch *b, const sv_values *
         if (status == SV_OK)
             status = sva_cl_check(p->queue.diag, clFinish(p->queue.device->queue), "self-test: clFinish");
     }
-    return sv_selftest_end(p, status, b->depth, b->status);
+    return sv_selftest_end(p, status,
+                           &(sv_result){.size = sizeof(sv_result), .depth = b->depth, .status = b->status});
 }
 
 static sv_status compare(sv_diag *diag, const scratch *b) {

@@ -95,7 +95,8 @@ static sv_status compute(sv_pipeline *p, scratch *b, const sv_values *values) {
     sv_status status = SV_OK;
     if (p->config.ranged) status = sv_pipeline_scanned(p, (const sv_scanned *)b->ranges, NULL, 0);
     if (status == SV_OK) status = sv_pipeline_slab(p, &slab);
-    return sv_selftest_end(p, status, b->depth, b->status);
+    return sv_selftest_end(p, status,
+                           &(sv_result){.size = sizeof(sv_result), .depth = b->depth, .status = b->status});
 }
 
 static sv_status compare(sv_diag *diag, const scratch *b, double bound) {
