@@ -54,16 +54,21 @@ bool hs_cli_u32(const char *option, const char *text, uint32_t low, uint32_t hig
     return true;
 }
 
-bool hs_cli_pair(const char *option, const char *text, const char *names, double low, double high,
-                 double out[2], hs_error *err) {
-    char first[64];
-    const char *comma = strchr(text, ',');
-    if (!comma || (size_t)(comma - text) >= sizeof first)
-        return hs_fail(err, HS_ERR_USAGE, "%s: '%s', expected %s", option, text, names);
-    memcpy(first, text, (size_t)(comma - text));
-    first[comma - text] = '\0';
-    return hs_cli_number(option, first, low, high, &out[0], err) &&
-           hs_cli_number(option, comma + 1, low, high, &out[1], err);
+bool hs_cli_numbers(const char *option, const char *text, const char *names, double low, double high,
+                    uint32_t least, uint32_t most, double *out, hs_error *err) {
+    uint32_t count = 1;
+    for (const char *comma = text; (comma = strchr(comma, ',')) != NULL; comma++) count++;
+    bool ok = count >= least && count <= most;
+    const char *at = text;
+    for (uint32_t i = 0; ok && i < count; i++) {
+        char part[64];
+        const size_t length = strcspn(at, ",");
+        ok = length < sizeof part;
+        (void)snprintf(part, sizeof part, "%.*s", (int)length, at);
+        if (ok && !hs_cli_number(option, part, low, high, &out[i], err)) return false;
+        at += length + (at[length] == ',');
+    }
+    return ok || hs_fail(err, HS_ERR_USAGE, "%s: '%s', expected %s", option, text, names);
 }
 
 bool hs_cli_select(const char *option, const char *text, const char *const *names, uint32_t count,

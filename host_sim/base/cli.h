@@ -17,9 +17,10 @@ bool hs_cli_integer(const char *option, const char *text, uint64_t low, uint64_t
 bool hs_cli_u32(const char *option, const char *text, uint32_t low, uint32_t high, uint32_t *out,
                 hs_error *err);
 
-/* "A,B": two numbers in low .. high, of which `names` tells what they are ("LOW,HIGH"). */
-bool hs_cli_pair(const char *option, const char *text, const char *names, double low, double high,
-                 double out[2], hs_error *err);
+/* "A,B": `least` .. `most` numbers in low .. high, of which `names` tells what they are ("LOW,HIGH"). Only as
+ * many of `out` are written. */
+bool hs_cli_numbers(const char *option, const char *text, const char *names, double low, double high,
+                    uint32_t least, uint32_t most, double *out, hs_error *err);
 
 /* The index of `text` among `count` names; HS_ERR_USAGE lists them. */
 bool hs_cli_select(const char *option, const char *text, const char *const *names, uint32_t count,

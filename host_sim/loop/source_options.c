@@ -3,8 +3,6 @@
 
 #include "base/cli.h"
 
-#include <string.h>
-
 bool hs_source_take_probe(void *target, const char *text, hs_error *err) {
     const char *names[HS_PROBE_COUNT];
     hs_metaimage_options *const read = target;
@@ -17,17 +15,6 @@ bool hs_source_take_probe(void *target, const char *text, hs_error *err) {
 
 bool hs_source_take_spacing(void *target, const char *text, hs_error *err) {
     hs_metaimage_options *const read = target;
-    const char *rest = strchr(text, ',');
-    char first[64];
-    double ends[2];
-    if (!rest || (size_t)(rest - text) >= sizeof first)
-        return hs_fail(err, HS_ERR_USAGE, "--spacing: '%s', expected X,Y,Z (mm)", text);
-    memcpy(first, text, (size_t)(rest - text));
-    first[rest - text] = '\0';
-    if (!hs_cli_number("--spacing", first, 1e-6, 1e6, &read->spacing[0], err) ||
-        !hs_cli_pair("--spacing", rest + 1, "X,Y,Z (mm)", 1e-6, 1e6, ends, err))
-        return false;
-    read->spacing[1] = ends[0];
-    read->spacing[2] = ends[1];
-    return (read->has_spacing = true);
+    return read->has_spacing =
+               hs_cli_numbers("--spacing", text, "X,Y,Z (mm)", 1e-6, 1e6, 3, 3, read->spacing, err);
 }

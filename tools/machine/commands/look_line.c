@@ -17,7 +17,7 @@ bool hs_look_line_look(void *look, const char *text, hs_error *err) {
 bool hs_look_line_light(void *target, const char *text, hs_error *err) {
     float *const light = target;
     double angle[2];
-    if (!hs_cli_pair("--light", text, "AZ,EL", -180, 180, angle, err)) return false;
+    if (!hs_cli_numbers("--light", text, "AZ,EL", -180, 180, 2, 2, angle, err)) return false;
     if (fabs(angle[1]) > 90)
         return hs_fail(err, HS_ERR_USAGE, "--light: '%s', expected an elevation of -90 .. 90", text);
     light[0] = (float)angle[0];

@@ -23,21 +23,14 @@ static bool take_set(void *target, const char *text, hs_error *err) {
 
 static bool take_mark(hs_run_line *line, const char *option, const char *text, bool keep, hs_error *err) {
     uint32_t *count = &line->request.loop.mark_count;
-    hs_mark mark = {.radius = HS_MARK_RADIUS, .keep = keep};
-    double *const numbers[] = {&mark.place[0], &mark.place[1], &mark.place[2], &mark.radius};
-    char copy[128];
-    int n = 0;
-    (void)snprintf(copy, sizeof copy, "%s", text);
-    for (char *at = copy, *rest; at; at = rest, n++) {
-        if ((rest = strchr(at, ',')) != NULL) *rest++ = '\0';
-        if (n < 4 && !hs_cli_number(option, at, n < 3 ? -1e4 : 0.1, n < 3 ? 1e4 : 1e3, numbers[n], err))
-            return false;
-    }
-    if (strlen(text) >= sizeof copy || n < 3 || n > 4)
-        return hs_fail(err, HS_ERR_USAGE, "%s: '%s', expected X,Y,Z or X,Y,Z,R (mm)", option, text);
+    double numbers[] = {0.0, 0.0, 0.0, HS_MARK_RADIUS};
+    if (!hs_cli_numbers(option, text, "X,Y,Z or X,Y,Z,R (mm)", -1e4, 1e4, 3, 4, numbers, err)) return false;
+    const double radius = numbers[3];
+    if (radius < 0.1 || radius > 1e3)
+        return hs_fail(err, HS_ERR_USAGE, "%s: a radius of %g mm is outside 0.1 .. 1000", option, radius);
     if (*count == HS_MARKS_MAX)
         return hs_fail(err, HS_ERR_USAGE, "%s: at most %d marks", option, HS_MARKS_MAX);
-    line->marks[(*count)++] = mark;
+    line->marks[(*count)++] = (hs_mark){{numbers[0], numbers[1], numbers[2]}, radius, keep};
     return true;
 }
 
@@ -81,7 +74,7 @@ static bool take_scanned(void *target, const char *text, hs_error *err) {
 static bool take_window(void *target, const char *text, hs_error *err) {
     hs_metaimage_options *const read = target;
     double ends[2];
-    if (!hs_cli_pair("--window", text, "LOW,HIGH", -1e12, 1e12, ends, err)) return false;
+    if (!hs_cli_numbers("--window", text, "LOW,HIGH", -1e12, 1e12, 2, 2, ends, err)) return false;
     read->has_window = true;
     read->window_low = ends[0];
     read->window_high = ends[1];
