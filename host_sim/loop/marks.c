@@ -20,21 +20,19 @@ typedef struct {
 /* The mean of the scanned voxels around a place of the grid; 0: nothing was scanned there. */
 static uint32_t level_at(const scene *s, uint32_t x, uint32_t y, uint32_t z) {
     const hs_volume *v = s->volume;
-    const double u = (x + 0.5) / s->n[0], t = (y + 0.5) / s->n[1], w = (z + 0.5) / s->n[2];
-    const int64_t size[3] = {v->nx, v->ny, v->nz};
-    int64_t first[3], last[3];
+    const double place[3] = {(x + 0.5) / s->n[0], (y + 0.5) / s->n[1], (z + 0.5) / s->n[2]};
+    const uint32_t size[3] = {v->nx, v->ny, v->nz};
+    uint32_t at[3], first[3], last[3];
+    if (!hs_box_map_voxel(&s->map, v, place, at)) return 0;
     for (int a = 0; a < 3; a++) {
-        const double index = s->map.origin[a] + u * s->map.du[a] + t * s->map.dv[a] + w * s->map.dw[a];
-        const int64_t i = (int64_t)floor(index + 0.5);
-        if (i < 0 || i >= size[a]) return 0;
-        first[a] = i > 0 ? i - 1 : 0;
-        last[a] = i + 1 < size[a] ? i + 1 : i;
+        first[a] = at[a] > 0 ? at[a] - 1 : 0;
+        last[a] = at[a] + 1 < size[a] ? at[a] + 1 : at[a];
     }
     uint32_t sum = 0, count = 0;
-    for (int64_t k = first[2]; k <= last[2]; k++)
-        for (int64_t j = first[1]; j <= last[1]; j++)
-            for (int64_t i = first[0]; i <= last[0]; i++) {
-                const uint8_t level = v->voxels[(size_t)((k * size[1] + j) * size[0] + i)];
+    for (uint32_t k = first[2]; k <= last[2]; k++)
+        for (uint32_t j = first[1]; j <= last[1]; j++)
+            for (uint32_t i = first[0]; i <= last[0]; i++) {
+                const uint8_t level = v->voxels[((size_t)k * size[1] + j) * size[0] + i];
                 sum += level;
                 count += level != 0;
             }
@@ -80,11 +78,11 @@ static void find_threshold(scene *s) {
     s->threshold = split(histogram);
 }
 
-/* The first run of tissue that ends at or behind slice `from`: [first, end). False: there is none. */
-static bool find_run(const scene *s, uint32_t x, uint32_t y, double from, uint32_t run[2]) {
+/* The first run of tissue from slice `z` on that ends behind slice `from`: [first, end). False: none does. */
+static bool find_run(const scene *s, uint32_t x, uint32_t y, uint32_t z, double from, uint32_t run[2]) {
     const uint32_t gap = (uint32_t)fmax(1.0, ceil(GAP_MM / s->slice));
     bool open = false;
-    for (uint32_t z = 0; z < s->n[2]; z++) {
+    for (; z < s->n[2]; z++) {
         if (level_at(s, x, y, z) > s->threshold) {
             if (!open) run[0] = z;
             open = true;
@@ -105,13 +103,14 @@ static void apply_to(const scene *s, uint32_t x, uint32_t y, bool keep, float *d
     const double reach = reach_of(s), start = fmax(0.0, *depth);
     uint32_t run[2], next[2];
     if (keep) {
-        const bool there = find_run(s, x, y, fmax(0.0, s->at[2] - reach), run) && run[0] <= s->at[2] + reach;
+        const bool there =
+            find_run(s, x, y, 0, fmax(0.0, s->at[2] - reach), run) && run[0] <= s->at[2] + reach;
         if (there && start_of(run) < *depth) *depth = start_of(run);
         return;
     }
-    if (!find_run(s, x, y, start, run)) return;
+    if (!find_run(s, x, y, 0, start, run)) return;
     const double seen = fmax(start, run[0]); /* a start inside a run shows what is left of it */
-    if (fabs(seen - s->at[2]) > reach || !find_run(s, x, y, run[1], next)) return;
+    if (fabs(seen - s->at[2]) > reach || !find_run(s, x, y, run[1], run[1], next)) return;
     *depth = start_of(next);
 }
 

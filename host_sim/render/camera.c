@@ -155,6 +155,18 @@ void hs_camera_box_map(const hs_camera *camera, const hs_volume *volume, hs_box_
     }
 }
 
+bool hs_box_map_voxel(const hs_box_map *map, const hs_volume *volume, const double place[3], uint32_t at[3]) {
+    const uint32_t count[3] = {volume->nx, volume->ny, volume->nz};
+    for (int k = 0; k < 3; k++) {
+        const double index =
+            map->origin[k] + place[0] * map->du[k] + place[1] * map->dv[k] + place[2] * map->dw[k];
+        const double nearest = floor(index + 0.5);
+        if (!(nearest >= 0.0 && nearest < count[k])) return false;
+        at[k] = (uint32_t)nearest;
+    }
+    return true;
+}
+
 bool hs_camera_in_patient(const hs_camera *camera, const hs_volume *volume, double out[9]) {
     if (volume->beams || !volume->pose.stated) return false;
     multiply(volume->pose.direction, camera->rotation, out);

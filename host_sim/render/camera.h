@@ -82,6 +82,9 @@ typedef struct {
 } hs_box_map;
 void hs_camera_box_map(const hs_camera *camera, const hs_volume *volume, hs_box_map *map);
 
+/* The voxel nearest to a place of the box; false if it lies outside the volume. */
+bool hs_box_map_voxel(const hs_box_map *map, const hs_volume *volume, const double place[3], uint32_t at[3]);
+
 /* Where the picture's axes run in the patient: row-major, columns are the picture's right, down and away,
  * rows the patient's left, back and head. False, and nothing set, if the file does not say how the patient
  * lies. */

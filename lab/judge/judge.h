@@ -122,6 +122,7 @@ double wall_auc(const wall_calibration *t, wall_fault fault);
 
 /* What a method says of a volume; doubtful: whether it clips or not. */
 typedef enum { SURF_SURE, SURF_DOUBTFUL, SURF_REFUSED, SURF_ANSWERS } surf_answer;
+surf_answer surf_answer_of(uint32_t reason, bool clips);
 
 /* Sums of wall_judge's scores. Zeroed: none yet. */
 typedef struct {

@@ -36,8 +36,7 @@ static bool print_set(const site_set *set, const char *plugin, const site_method
     return true;
 }
 
-/* --------------------------------------------------------------------------------- a volume with labels --
- */
+/* ------------------------------------------------------------------------------ a volume with labels -- */
 
 enum { NOT_SCANNED, TISSUE, FLUID, FETUS, CORD, BEHIND, DOUBTFUL };
 
@@ -98,19 +97,13 @@ static bool judge_map(const hs_volume *labels, const hs_loop *loop, const float 
     if (!label) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for a ray", labels->name);
     for (uint32_t i = 0; i < l->width * l->height; i++) {
         const uint32_t x = i % l->width, y = i / l->width;
-        const double u = (x + 0.5) / l->width, v = (y + 0.5) / l->height;
+        double place[3] = {(x + 0.5) / l->width, (y + 0.5) / l->height, 0.0};
         for (uint32_t k = 0; k < steps; k++) {
-            const double w = (0.5 * slice + k * step_mm) / camera.depth_extent;
-            double at[3];
-            for (int a = 0; a < 3; a++)
-                at[a] = floor(box.origin[a] + u * box.du[a] + v * box.dv[a] + w * box.dw[a] + 0.5);
-            const bool inside = at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < labels->nx &&
-                                at[1] < labels->ny && at[2] < labels->nz;
-            label[k] =
-                inside
-                    ? labels
-                          ->voxels[((size_t)at[2] * labels->ny + (size_t)at[1]) * labels->nx + (size_t)at[0]]
-                    : NOT_SCANNED;
+            uint32_t at[3];
+            place[2] = (0.5 * slice + k * step_mm) / camera.depth_extent;
+            const bool inside = hs_box_map_voxel(&box, labels, place, at);
+            label[k] = inside ? labels->voxels[((size_t)at[2] * labels->ny + at[1]) * labels->nx + at[0]]
+                              : NOT_SCANNED;
         }
         judge_ray(label, steps, (double)map[i] * slice / step_mm, out);
     }
@@ -118,8 +111,7 @@ static bool judge_map(const hs_volume *labels, const hs_loop *loop, const float 
     return true;
 }
 
-/* --------------------------------------------------------------------------------------- turned cameras --
- */
+/* ------------------------------------------------------------------------------------ turned cameras -- */
 
 /* Yaw and pitch: those of a probe's user, and all around. */
 static const int user_views[][2] = {{0, 0},   {10, 0},   {-10, 10},  {20, 0}, {-20, 0}, {0, 20},
@@ -141,7 +133,7 @@ static surf_answer answer_of(const scan *s, const hs_frame *frame) {
     sv_confidence_report report;
     char words[HS_REASON_BYTES];
     (void)hs_plugin_reason(s->session.plugin.instance, &report, words);
-    return report.reason == SV_REASON_DOUBTFUL ? SURF_DOUBTFUL : frame->clipped ? SURF_SURE : SURF_REFUSED;
+    return surf_answer_of(report.reason, frame->clipped);
 }
 
 static hs_loop *make_loop(scan *s, double yaw, double pitch, bool turnable, hs_error *err) {

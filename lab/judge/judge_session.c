@@ -122,6 +122,10 @@ static sv_frame told_of(surf_told told, const wall_case *c) {
     return frame;
 }
 
+surf_answer surf_answer_of(uint32_t reason, bool clips) {
+    return reason == SV_REASON_DOUBTFUL ? SURF_DOUBTFUL : clips ? SURF_SURE : SURF_REFUSED;
+}
+
 bool surf_session_frame(surf_session *s, const wall_case *c, hs_error *err) {
     const sv_plugin *p = s->plugin.instance;
     const size_t rays = (size_t)c->nx * c->ny;
@@ -138,9 +142,7 @@ bool surf_session_frame(surf_session *s, const wall_case *c, hs_error *err) {
         hs_plugin_check(&s->plugin, s->outcome, "a frame", err) &&
         (!s->sure || hs_plugin_check(&s->plugin, hs_plugin_confidence(p)->read(p, s->confidence, &report),
                                      "confidence", err));
-    s->answer = report.reason == SV_REASON_DOUBTFUL ? SURF_DOUBTFUL
-                : surf_session_clips(s)             ? SURF_SURE
-                                                    : SURF_REFUSED;
+    s->answer = surf_answer_of(report.reason, surf_session_clips(s));
     return done;
 }
 

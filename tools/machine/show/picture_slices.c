@@ -27,14 +27,8 @@ static void box_of(const hs_slice_scene *s, hs_slice_plane p, double a, double b
 /* The nearest voxel; 0 outside the volume. */
 static uint8_t voxel_at(const hs_slice_scene *s, const hs_box_map *map, const double box[3]) {
     const hs_volume *v = s->volume;
-    const uint32_t n[3] = {v->nx, v->ny, v->nz};
-    size_t at[3];
-    for (int k = 0; k < 3; k++) {
-        const double i = map->origin[k] + box[0] * map->du[k] + box[1] * map->dv[k] + box[2] * map->dw[k];
-        if (!(i >= -0.5 && i < n[k] - 0.5)) return 0;
-        at[k] = (size_t)(i + 0.5);
-    }
-    return v->voxels[(at[2] * v->ny + at[1]) * v->nx + at[0]];
+    uint32_t at[3];
+    return hs_box_map_voxel(map, v, box, at) ? v->voxels[((size_t)at[2] * v->ny + at[1]) * v->nx + at[0]] : 0;
 }
 
 /* A map of the low-resolution volume at a place of the box: bilinear, as the renderer has it. */
