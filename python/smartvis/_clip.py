@@ -173,6 +173,7 @@ def clip(
     side = probe if isinstance(probe, str) else None
     if side is not None and side not in SIDES:
         raise ValueError(f"probe='{side}' is none of {', '.join(SIDES)}")
+    marks = _marks(remove, False) + _marks(keep, True)
     levels = Levels(
         volume, mm, scanned=how, mask=given, window=checked_window(window), directions=directions, side=side
     )
@@ -188,8 +189,8 @@ def clip(
     takes = bool(plugin.features & _abi.SV_FEATURE_SCANNED)
     known = None if mm is None else camera.spacing
     result = cache.run(seen, known, ranges if takes else None, plugin, parameters, probe=told, beams=beams)
-    if result.clips and (len(remove) or len(keep)):
-        levels.mark(grid, _marks(remove, False) + _marks(keep, True), result.depth)
+    if result.clips and marks:
+        levels.mark(grid, marks, result.depth)
     if levels.doubt:  # of a size that no scan has nothing else is the reason
         why = levels.doubt if mm is not None and not result.clips else result.why
         result = replace(result, why=why, doubt=levels.doubt)
