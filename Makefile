@@ -179,7 +179,8 @@ bench: setup # times as ratios to plain C; speed against error of every method, 
 	  build/python/bench/bin/python python/bench/surfaces.py --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
 
 # Hard scenes, scenes that no constant was chosen on, and some that were looked at; the site, and volumes that nothing hides.
-HARD := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,--scene H$(n))
+HARD_NAMES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,H$(n))
+HARD := $(HARD_NAMES:%=--scene %)
 UNSEEN := --scenes 501,0 --scenes 502,41 --scenes 503,42
 # Broad contact with the wall: without it scenes do not say how bright a first tissue must be.
 CHOICE := --scenes 201,0 $(foreach n,01 04 05 07 08 15 16,--scene H$(n))
@@ -200,7 +201,7 @@ sites: setup # methods on scenes and on SITES: table, harm, near fields, flicker
 	$(if $(SITES),build/sv_judge reverse $(CHOICE) $(FOREIGN))
 
 # Every scene in a box, and as a probe's file.
-SCENES := E01 E02 E03 E04 M01 M02 M03 D01 D02 $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,H$(n))
+SCENES := E01 E02 E03 E04 M01 M02 M03 D01 D02 $(HARD_NAMES)
 vol_case = --case $(OUT)/scans/$(1)_full.vol,$(OUT)/scans/$(1)_truth.vol,$(OUT)/scans/$(1)_label.mha
 
 scans: setup # verdict, error, cut, left of scenes, SITES and the scans in DATA, with beams told, the pose alone, nothing: ten minutes

@@ -13,7 +13,8 @@ scripts/python_env.sh "$out/venv" python/requirements-macos.txt
 cp -rL /usr/include/CL/*.h "$out/CL"
 
 export ZIG_GLOBAL_CACHE_DIR=$out/cache ZIG_LOCAL_CACHE_DIR=$out/cache
-flags=(-std=c11 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -Wno-enum-float-conversion -Wno-float-conversion -ffp-contract=off -DCL_TARGET_OPENCL_VERSION=120 '-DSV_VERSION="0"' '-DPLUGIN_NAME="mine"' '-DPLUGIN_VERSION="0"'
+flags=(-std=c11 -O1 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -Wno-enum-float-conversion
+    -Wno-float-conversion -DCL_TARGET_OPENCL_VERSION=120 '-DSV_VERSION="0"' '-DPLUGIN_NAME="mine"' '-DPLUGIN_VERSION="0"'
     -I include -I src -I cl -I "$build/obj/src" -I "$build/obj/examples/kernel_edge/smartvis_kernels" -isystem "$out")
 for processor in aarch64 x86_64; do
     find src examples -name '*.c' ! -name deadline_host.c -printf '%p\n' | sort | while read -r file; do

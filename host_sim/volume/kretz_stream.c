@@ -164,8 +164,8 @@ static bool find_in_dicom(hs_kretz_items *items, hs_error *err) {
     if (!w.stream.group)
         return hs_fail(err, HS_ERR_INPUT,
                        "%s: a DICOM file, but no element of group 7FE1 begins with 'KRETZFILE 1.0': "
-                       "'smartvis clip' of the "
-                       "Python package reads other volumes, or export it as .vol from 4D View",
+                       "'smartvis clip' of the Python package reads other volumes, or export it as .vol "
+                       "from 4D View",
                        items->path);
     items->at = w.begin + HS_KRETZ_MAGIC_BYTES;
     items->end = w.begin + w.stream.bytes;

@@ -25,12 +25,15 @@ static hs_volume cord_before_face(hs_camera *camera) {
     return volume;
 }
 
-static void apply(double z, double radius, uint32_t keep) {
+static void apply_all(const hs_mark *marks, uint32_t count) {
     hs_camera camera;
     hs_error err = {0};
     const hs_volume volume = cord_before_face(&camera);
-    const hs_mark mark = {{6.0, 6.0, z}, radius, keep};
-    assert_true(hs_marks_apply(&mark, 1, &volume, &camera, n, depth, &err));
+    assert_true(hs_marks_apply(marks, count, &volume, &camera, n, depth, &err));
+}
+
+static void apply(double z, double radius, uint32_t keep) {
+    apply_all(&(hs_mark){{6.0, 6.0, z}, radius, keep}, 1);
 }
 
 /* Every ray within the radius has `inside`, all others what they had. */
@@ -46,11 +49,7 @@ static void test_remove_goes_to_the_next_tissue(void **state) {
 }
 
 static void test_remove_leaves_the_last_tissue(void **state) {
-    hs_camera camera;
-    hs_error err = {0};
-    const hs_volume volume = cord_before_face(&camera);
-    const hs_mark twice[2] = {{{6.0, 6.0, 12.0}, 3.0, 0}, {{6.0, 6.0, 25.0}, 3.0, 0}};
-    assert_true(hs_marks_apply(twice, 2, &volume, &camera, n, depth, &err));
+    apply_all((const hs_mark[]){{{6.0, 6.0, 12.0}, 3.0, 0}, {{6.0, 6.0, 25.0}, 3.0, 0}}, 2);
     assert_disc(3.0, 24.0f);
 }
 
@@ -65,11 +64,7 @@ static void test_keep_brings_back_the_skin(void **state) {
 }
 
 static void test_keep_after_remove(void **state) {
-    hs_camera camera;
-    hs_error err = {0};
-    const hs_volume volume = cord_before_face(&camera);
-    const hs_mark both[2] = {{{6.0, 6.0, 12.0}, 3.0, 0}, {{6.0, 6.0, 15.0}, 3.0, 1}};
-    assert_true(hs_marks_apply(both, 2, &volume, &camera, n, depth, &err));
+    apply_all((const hs_mark[]){{{6.0, 6.0, 12.0}, 3.0, 0}, {{6.0, 6.0, 15.0}, 3.0, 1}}, 2);
     assert_disc(3.0, 11.0f);
 }
 
@@ -100,15 +95,8 @@ static void test_what_is_no_mark(void **state) {
     assert_disc(0.0, 8.0f);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_remove_goes_to_the_next_tissue),
-        cmocka_unit_test(test_remove_leaves_the_last_tissue),
-        cmocka_unit_test(test_remove_works_where_it_is_seen),
-        cmocka_unit_test(test_keep_brings_back_the_skin),
-        cmocka_unit_test(test_keep_after_remove),
-        cmocka_unit_test(test_marks_turn_with_the_volume),
-        cmocka_unit_test(test_what_is_no_mark),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_remove_goes_to_the_next_tissue),
+          cmocka_unit_test(test_remove_leaves_the_last_tissue),
+          cmocka_unit_test(test_remove_works_where_it_is_seen),
+          cmocka_unit_test(test_keep_brings_back_the_skin), cmocka_unit_test(test_keep_after_remove),
+          cmocka_unit_test(test_marks_turn_with_the_volume), cmocka_unit_test(test_what_is_no_mark))
