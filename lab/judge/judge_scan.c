@@ -93,7 +93,7 @@ static bool judge_map(const hs_volume *labels, const hs_loop *loop, const float 
     hs_camera_box_map(&camera, labels, &box);
     const double slice = camera.depth_extent / l->slices;
     const uint32_t steps = (uint32_t)(camera.depth_extent / step_mm);
-    uint8_t *const label = malloc(steps);
+    uint8_t *const label = calloc(steps, 1);
     if (!label) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for a ray", labels->name);
     for (uint32_t i = 0; i < l->width * l->height; i++) {
         const uint32_t x = i % l->width, y = i / l->width;
