@@ -41,7 +41,7 @@ build = $(call step,configure) cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERR
 KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 
 # What a frame computes, against the definitions.
-INTEL_TESTS := ^check/test_(formats|mean|method_hard|methods|reduction|scanned|wall|wall_answer)$$
+INTEL_TESTS := ^check/test_(formats|mean|method_hard|methods|scanned|wall|wall_answer)$$
 
 .NOTPARALLEL:
 .PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites scans surface-page \

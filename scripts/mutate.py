@@ -37,7 +37,7 @@ TESTS = [
     (r"lab/judge", r"golden/test_sites|test_wall_(invariance|tilt)"),
     (r"lab", r"test_(eval|box)|golden/test_(report|demo|measure)"),
     (r"wall", r"test_wall($|_answer|_constants|_definition|_fluid)|test_confidence$"),
-    (r"cl/(profile|common|mean|chain|minimum)|src/ref|src/quantise", r"test_(profile|mean|formats|scanned|method|reduction|hard|box)"),
+    (r"cl/(profile|common|mean|chain|minimum)|src/ref|src/quantise", r"test_(profile|mean|formats|scanned|method|hard|box)"),
     (r"spline|grid", r"test_(spline|method|hard)"),
     (r"src/(method|frame|device)", r"test_(method|mean|cl_faults|plugin|frame_path|formats|confidence)"),
     (r"src/abi", r"contract/|test_plugin|test_cl_faults|test_layout|test_settings"),

@@ -27,15 +27,6 @@ uint32_t sv_gap_samples(double gap, uint32_t substeps) {
     return (uint32_t)ceil(gap * substeps - SV_LEVEL_SLACK);
 }
 
-uint32_t sv_reduced_side(uint32_t side, uint32_t reduction) {
-    return (side + reduction - 1) / reduction;
-}
-
-uint32_t sv_reduced_kernel(uint32_t k, uint32_t reduction) {
-    const uint32_t reach = k / (2 * reduction); /* 2 * reach + 1 is the odd number nearest to k / reduction */
-    return reach < 1 ? 3 : 2 * reach + 1;
-}
-
 void sv_fill_weights(double omega, uint32_t *weight_initial, uint32_t *weight_filled) {
     uint32_t quarters = (uint32_t)(omega * 4.0 + 0.5), whole = 4;
     while (whole > 1 && quarters % 2 == 0) {
@@ -73,11 +64,4 @@ sv_fixed sv_fixed_format(uint32_t width, uint32_t height, uint32_t slices, uint3
     if (fraction < MIN_FRACTION || drifts(k, sv_pass_limit(width, height, k), fraction))
         return (sv_fixed){.fraction = WIDE_FRACTION, .wide = true};
     return (sv_fixed){.fraction = fraction};
-}
-
-sv_fixed sv_half_format(uint32_t slices, uint32_t weight_initial) {
-    const uint32_t depth = (slices > 1 ? slices - 1 : 1) * weight_initial;
-    uint32_t fraction = 0;
-    while (fraction < MAX_FRACTION && depth << (fraction + 1) <= UINT16_MAX) fraction++;
-    return (sv_fixed){.fraction = fraction, .half = true};
 }

@@ -23,12 +23,6 @@ uint32_t sv_rays_wanted(double fraction, uint32_t rays);
 /* Samples of an interval of at least `gap` slices. */
 uint32_t sv_gap_samples(double gap, uint32_t substeps);
 
-/* Cells of `reduction` pixels along a side of `side` pixels, the last one perhaps in part. */
-uint32_t sv_reduced_side(uint32_t side, uint32_t reduction);
-
-/* The window in cells for one of k pixels: the nearest odd number, at least 3. */
-uint32_t sv_reduced_kernel(uint32_t k, uint32_t reduction);
-
 /* The smallest integer weights with weight_filled / weight_initial = omega, which is rounded to a quarter. */
 void sv_fill_weights(double omega, uint32_t *weight_initial, uint32_t *weight_filled);
 
@@ -40,15 +34,10 @@ uint32_t sv_pass_limit(uint32_t width, uint32_t height, uint32_t k);
 typedef struct {
     uint32_t fraction; /* bits of a depth behind the point */
     bool wide;         /* sums need 64 bits */
-    bool half;         /* weight * depth of a pixel has 16 bits */
 } sv_fixed;
 
 /* The finest format whose sums over a k x k window cannot overflow. */
 sv_fixed sv_fixed_format(uint32_t width, uint32_t height, uint32_t slices, uint32_t k,
                          uint32_t weight_initial);
-
-/* Of precision int16: as many fraction bits as leave weight * depth below 2^16, whatever the window. At least
- * 1, up to 8,192 slices. */
-sv_fixed sv_half_format(uint32_t slices, uint32_t weight_initial);
 
 #endif

@@ -8,12 +8,12 @@
 #endif
 
 /*
- * One pixel per work item, those of the rows' padding included: the sums of the initial points, of 16, 32 or
- * 64 `bits` (the same buffer under three types). Two planes: near and far depths, none of them negative. One
+ * One pixel per work item, those of the rows' padding included: the sums of the initial points, of 32 or
+ * 64 bits (the same buffer under two types). Two planes: near and far depths, none of them negative. One
  * plane, S(q), whose depths may be: max(depth, 0) and max(-depth, 0).
  */
-__kernel void mean_load(sv_job job, uint bits, uint planes, __global const float *maps,
-                        __global ushort *half_sums, __global uint *narrow_sums, __global ulong *wide_sums) {
+__kernel void mean_load(sv_job job, uint wide, uint planes, __global const float *maps,
+                        __global uint *narrow_sums, __global ulong *wide_sums) {
     if (get_global_id(0) >= job.padded_width) return;
     const size_t plane = (size_t)job.padded_width * job.height;
     const size_t i = get_global_id(1) * job.padded_width + get_global_id(0);
@@ -23,11 +23,7 @@ __kernel void mean_load(sv_job job, uint bits, uint planes, __global const float
     const float second = planes == 2 ? maps[plane + i] : -depth;
     const ulong above = weight ? convert_ulong_rte(fmax(depth, 0.0f) * scale) * weight : 0;
     const ulong below = weight ? convert_ulong_rte(fmax(second, 0.0f) * scale) * weight : 0;
-    if (bits == 16) {
-        half_sums[SV_SUM_NEAR * plane + i] = (ushort)above;
-        half_sums[SV_SUM_FAR * plane + i] = (ushort)below;
-        half_sums[SV_SUM_WEIGHT * plane + i] = (ushort)weight;
-    } else if (bits == 64) {
+    if (wide) {
         wide_sums[SV_SUM_NEAR * plane + i] = above;
         wide_sums[SV_SUM_FAR * plane + i] = below;
         wide_sums[SV_SUM_WEIGHT * plane + i] = weight;

@@ -45,7 +45,7 @@ static void clear_surfaces(__global float *surfaces, const sv_job *f, uint y0, u
 
 __kernel void frame_end(sv_job job, __global const uchar *restrict state8,
                         __global const ushort *restrict state16, __global uint *restrict histogram,
-                        __global uchar *status, __global plane_t *sums_a, __global plane_t *sums_b,
+                        __global uchar *status, __global sum_t *sums_a, __global sum_t *sums_b,
                         __global sum_t *scratch, __global float *surfaces, __global uint *record) {
     const uint rows = job.height;
     const uint maximum = rows_maximum(state8, job.padded_width, 0, rows);
@@ -102,7 +102,7 @@ __kernel void band_level(sv_job job, __global const uint *restrict bands, uint b
 /* Step 3: initial points. */
 __kernel void band_points(sv_job job, __global const uchar *restrict state8,
                           __global const ushort *restrict state16, __global uchar *restrict status,
-                          __global plane_t *restrict sums, __global float *restrict surfaces,
+                          __global sum_t *restrict sums, __global float *restrict surfaces,
                           volatile __global uint *restrict record) {
     const uint2 rows = band_rows(job.height);
     const point_counts count =
@@ -115,8 +115,8 @@ __kernel void band_points(sv_job job, __global const uchar *restrict state8,
 }
 
 /* Steps from 4 on: one pass each. */
-__kernel void band_mean(sv_job job, uint number, __global const plane_t *restrict from,
-                        __global plane_t *restrict to, __global float *restrict surfaces,
+__kernel void band_mean(sv_job job, uint number, __global const sum_t *restrict from,
+                        __global sum_t *restrict to, __global float *restrict surfaces,
                         __global const uchar *restrict status, __global sum_t *restrict scratch,
                         volatile __global uint *restrict record) {
     if (!pass_needed(record, number)) return;

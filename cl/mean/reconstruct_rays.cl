@@ -33,7 +33,7 @@ static sum_t ray_fixed(uint position, uint fraction) {
 /* Initial points; pixels in the rows' padding get no weight. */
 __kernel void rays_points(sv_job job, __global const uchar *restrict state8,
                           __global const ushort *restrict state16, __global uchar *restrict status,
-                          __global plane_t *restrict sums, __global float *restrict surfaces,
+                          __global sum_t *restrict sums, __global float *restrict surfaces,
                           volatile __global uint *restrict record) {
     const size_t i = (size_t)get_global_id(1) * job.padded_width + get_global_id(0);
     const size_t plane = (size_t)job.padded_width * job.height;
@@ -57,7 +57,7 @@ __kernel void rays_points(sv_job job, __global const uchar *restrict state8,
 }
 
 /* Columns of the windows: columns[p][y][x] = sum of from[p] over rows y - r .. y + r inside the image. */
-__kernel void rays_columns(sv_job job, uint number, __global const plane_t *restrict from,
+__kernel void rays_columns(sv_job job, uint number, __global const sum_t *restrict from,
                            __global sum_t *restrict columns, volatile __global uint *restrict record) {
     if (!pass_needed(record, number)) return;
     const uint x = (uint)get_global_id(0);
@@ -75,7 +75,7 @@ __kernel void rays_columns(sv_job job, uint number, __global const plane_t *rest
 
 /* Rows of the windows, the means, and what the next pass starts from. */
 __kernel void rays_means(sv_job job, uint number, __global const sum_t *restrict columns,
-                         __global plane_t *restrict to, __global float *restrict surfaces,
+                         __global sum_t *restrict to, __global float *restrict surfaces,
                          __global const uchar *restrict status, volatile __global uint *restrict record) {
     if (!pass_needed(record, number)) return;
     const uint x = (uint)get_global_id(0);

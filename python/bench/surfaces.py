@@ -38,13 +38,11 @@ Variant = dict[str, Any]
 Row = dict[str, Any]
 
 # Parameters that approximate: the definition has none of them.
-APPROXIMATE = ("precision", "spline_grid", "reduction")
+APPROXIMATE = ("precision", "spline_grid")
 QUICK: list[Variant] = [
     {"method": "mean", "kernel": 11},
     {"method": "mean", "kernel": 23},
     {"method": "mean", "kernel": 55},
-    {"method": "mean", "kernel": 23, "precision": "int16"},
-    {"method": "mean", "kernel": 23, "reduction": 2},
     {"method": "minimum", "kernel": 23},
     {"method": "spline", "merge_grid": 8, "spline_grid": 0},
     {"method": "spline", "merge_grid": 8, "spline_grid": 32},
@@ -52,15 +50,10 @@ QUICK: list[Variant] = [
 ]
 MORE: list[Variant] = [
     {"method": "mean", "kernel": 3},
-    {"method": "mean", "kernel": 3, "precision": "int16"},
-    {"method": "mean", "kernel": 55, "precision": "int16"},
-    {"method": "mean", "kernel": 23, "reduction": 4},
     {"method": "minimum", "kernel": 11},
-    {"method": "minimum", "kernel": 23, "reduction": 2},
     *({"method": "spline", "merge_grid": 8, "spline_grid": cells} for cells in (8, 16, 64)),
     {"method": "spline", "merge_grid": 37, "spline_grid": 32},
     {"method": "spline", "merge_grid": 0, "spline_grid": 32},
-    *({"method": "spline", "merge_grid": 8, "spline_grid": 0, "reduction": cells} for cells in (2, 4)),
 ]
 ON_VOLUMES = ("wall",)  # methods that take no points
 

@@ -67,7 +67,7 @@ static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
     sv_chain *chain = &in->pipeline.chain;
     if (a->state != SVA_FINISHED || !chain->method->spline_report)
         return sva_blame(a, SV_ERR_STATE, "spline: no finished frame with method spline");
-    return chain->method->spline_report(sv_chain_map(chain), &chain->state, out);
+    return chain->method->spline_report(chain->map, &chain->state, out);
 }
 
 static const sv_ext_spline ext_spline = {.size = sizeof ext_spline, .report = spline_report};

@@ -11,7 +11,7 @@ static const char *const methods[SV_METHOD_END] = {SV_METHODS(SV_METHOD_KEY)};
 #undef SV_METHOD_KEY
 static const char *const unsure[] = {"keep", "clip"};
 static const char *const prefilters[] = {"none", "minimum"};
-static const char *const precisions[] = {"float64", "float32", "int16"};
+static const char *const precisions[] = {"float64", "float32"};
 static const char *const strategies[] = {"auto", "single", "bands", "rays"};
 
 #define GROUP_SURFACE   "Surface"
@@ -92,14 +92,8 @@ const sva_param sv_params[] = {
      "Method spline: evaluated at the nodes of N x N cells, linear in between. 0: at every pixel.", 0.0,
      256.0, 32.0, 1.0, 0.0, 64.0, GROUP_METHOD, NULL, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_PRECISION, SV_PARAM_ENUM, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "precision", "Precision", "",
-     "Method spline: float64 where the device has it; float32 is faster and takes at most 64 points. "
-     "Method mean: int16 halves the bytes of a pixel, and depths have coarser steps.",
-     0.0, 2.0, SV_PRECISION_FLOAT64, 1.0, 0.0, 0.0, GROUP_WORK, precisions, SV_PARAM_METHOD, BY_METHOD},
-    {SV_PARAM_REDUCTION, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "reduction",
-     "Reduced resolution", "pixels",
-     "The surface is made on cells of N x N pixels and interpolated: faster, less exact. 1: on pixels. "
-     "Needs a fill weight above 0. Method wall has cells of its own and ignores it.",
-     1.0, 4.0, 1.0, 1.0, 0.0, 0.0, GROUP_WORK, NULL, SV_PARAM_METHOD, BY_METHOD},
+     "Method spline: float64 where the device has it; float32 is faster and takes at most 64 points.", 0.0,
+     1.0, SV_PRECISION_FLOAT64, 1.0, 0.0, 0.0, GROUP_WORK, precisions, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_SUBSTEPS, SV_PARAM_INT, SV_PARAM_EXPERT | SV_PARAM_REACTIVATE, "substeps", "Samples per slice",
      "", "Samples along a ray per slice, linear in between; 1 samples the slices only.", 1.0, 4.0, 1.0, 1.0,
      0.0, 0.0, GROUP_WORK, NULL, SV_PARAM_METHOD, BY_METHOD},

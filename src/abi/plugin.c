@@ -39,18 +39,6 @@ static void abandon(sva *a) {
     if (in->device.owned && !sv_instance_is_forked(in)) (void)clFinish(in->device.queue);
 }
 
-/* Refuses values that do not go together in a frame of this pipeline. */
-static sv_status check_values(sva *a, const sv_pipeline *p, const sv_values *values) {
-    uint32_t weight_initial, weight_filled;
-    sv_fill_weights(values->of[SV_PARAM_FILL_WEIGHT], &weight_initial, &weight_filled);
-    if (!p->chain.reduced || !sv_method_uses(p->chain.method, SV_PARAM_FILL_WEIGHT) || weight_filled > 0)
-        return SV_OK;
-    return sva_blame(a, SV_ERR_PARAM_RANGE,
-                     "begin: fill_weight is %g, which leaves pixels empty; with reduction = %u, whose "
-                     "surface is interpolated, expected at least 0.125",
-                     values->of[SV_PARAM_FILL_WEIGHT], p->config.reduction);
-}
-
 static void take_beams(const sv_frame *frame, sv_beams *beams) {
     sv_probe_of(frame, beams->rotation, beams->side);
     beams->kind = sv_probe_beams_of(frame, beams->apex_mm, &beams->sweep_mm);
@@ -66,7 +54,6 @@ static sv_status begin(sva *a) {
     if (status == SV_OK && f->scanned_object)
         status = sva_cl_check_object(a, "begin: scanned_object", f->scanned_object, SV_CARRIER_BUFFER,
                                      f->scanned_offset, sva_rays(a) * sizeof(sv_scanned), SV_ERR_ARGUMENT);
-    if (status == SV_OK) status = check_values(a, p, &values);
     if (status != SV_OK) return status;
     p->queue.timing = &in->timing;
     sv_frame_context context = {.continues = !(f->flags & SV_FRAME_DISCONTINUITY)};

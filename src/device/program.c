@@ -138,8 +138,8 @@ sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_stru
                            ? SV_OK
                            : build_part(diag, device, sv_kernels_profile, sv_kernels_profile_size, options,
                                         create_profile_kernels, out);
-    (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u -DSV_WIDE_SUMS=%d -DSV_HALF_SUMS=%d",
-                   structure->substeps, structure->wide_sums, structure->half_sums);
+    (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u -DSV_WIDE_SUMS=%d", structure->substeps,
+                   structure->wide_sums);
     if (status == SV_OK)
         status = build_part(diag, device, sv_kernels_frame, sv_kernels_frame_size, options,
                             create_frame_kernels, out);

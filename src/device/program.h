@@ -70,7 +70,6 @@ typedef struct {
     bool padded;       /* SV_PADDED */
     bool ranged;       /* SV_RANGED */
     bool wide_sums;    /* SV_WIDE_SUMS */
-    bool half_sums;    /* SV_HALF_SUMS */
     bool fetch_ahead;  /* SV_FETCH_AHEAD */
     bool surveyed;     /* the method takes points: the ray profiles are built, too */
 } sv_structure;

@@ -26,11 +26,8 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                        .method = (uint32_t)values->of[SV_PARAM_METHOD],
                        .prefilter = (uint32_t)values->of[SV_PARAM_PREFILTER],
                        .float32 = values->of[SV_PARAM_PRECISION] == SV_PRECISION_FLOAT32,
-                       .half_sums = values->of[SV_PARAM_PRECISION] == SV_PRECISION_INT16 &&
-                                    values->of[SV_PARAM_METHOD] == SV_METHOD_MEAN,
                        .merge_grid = (uint32_t)values->of[SV_PARAM_MERGE_GRID],
                        .spline_grid = (uint32_t)values->of[SV_PARAM_SPLINE_GRID],
-                       .reduction = (uint32_t)values->of[SV_PARAM_REDUCTION],
                        .host_memory = f->host_memory,
                        .host_memory_bytes = f->host_memory_bytes};
 }
@@ -43,8 +40,8 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, const 
     sv_structure structure = {
         .substeps = config->substeps,
         .strip = strip,
-        .padded = config->padding<256, .ranged = config->ranged, .half_sums = config->half_sums,
-                                  .surveyed = sv_chain_is_surveyed(config), .fetch_ahead = strip> 16 &&
+        .padded = config->padding<256, .ranged = config->ranged, .surveyed = sv_chain_is_surveyed(config),
+                                  .fetch_ahead = strip> 16 &&
                   (uint64_t)config->width * config->height * config->slices > FETCH_AHEAD_BYTES};
     const bool needs_wide = sv_chain_needs_wide(config);
     if (!structure.surveyed && !config->ranged) return SV_OK; /* the method's own kernels do it all */

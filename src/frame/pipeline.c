@@ -80,7 +80,7 @@ static uint32_t batch_slots(const sv_config *c) {
 static void plan(sv_pipeline *p, const sv_queue *queue, const sv_config *config, bool wide_sums) {
     *p = (sv_pipeline){.queue = *queue, .config = *config};
     p->config.strategy = sv_pipeline_strategy(queue->device, config);
-    sv_map_init(&p->map, &p->queue, &p->config, 1, wide_sums);
+    sv_map_init(&p->map, &p->queue, &p->config, wide_sums);
     p->pass_capacity = sv_pass_limit(config->width, config->height, 3);
     p->slab_bytes = slab_bytes(config, config->max_slab_slices);
     if (config->carrier == SV_CARRIER_IMAGE) /* images are copied in whole rows */
@@ -218,7 +218,6 @@ static sv_job job_of(const sv_config *c, const sv_values *values) {
 void sv_pipeline_begin(sv_pipeline *p, const sv_values *values, const sv_frame_context *context) {
     const sv_job job = job_of(&p->config, values);
     sv_map_begin(&p->map, &job, values);
-    sv_chain_begin(&p->chain);
     p->level_n = sv_grey_level(values->of[SV_PARAM_FLUID_THRESHOLD], p->config.substeps);
     p->context = *context;
     p->context.beams.same_volume = context->beams.same_volume && p->ended;

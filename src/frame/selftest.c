@@ -80,7 +80,6 @@ static bool compute_expected(scratch *b, const sv_values *v, const sv_config *c,
     }
     sv_fixed format = sv_fixed_format(WIDTH, HEIGHT, SLICES, (uint32_t)v->of[SV_PARAM_KERNEL], 2);
     format.wide = wide;
-    if (c->half_sums) format = sv_half_format(SLICES, 2);
     sv_ref_fill fill;
     if (!sv_ref_mean_fixed(b->expected_status, b->near_position, b->far_position, WIDTH, HEIGHT,
                            (uint32_t)v->of[SV_PARAM_KERNEL], v->of[SV_PARAM_FILL_WEIGHT], c->substeps, format,
@@ -150,9 +149,7 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *
                        .padding = config->padding,
                        .ranged = config->ranged,
                        .substeps = config->substeps,
-                       .strategy = config->strategy,
-                       .half_sums = config->half_sums,
-                       .reduction = 1};
+                       .strategy = config->strategy};
     scratch *b = calloc(1, sizeof *b);
     if (!b) return sva_error(diag, SV_ERR_NO_MEMORY, "no memory for the self-test (%zu bytes)", sizeof *b);
     sv_values values = *defaults;

@@ -70,7 +70,6 @@ static bool expect(scratch *b, const sv_ref_method *definition, const sv_config 
         .lambda = v[SV_PARAM_LAMBDA],
         .merge_grid = c->merge_grid,
         .spline_grid = c->spline_grid,
-        .reduction = c->reduction,
         .prefilter_passes = filtered ? (uint32_t)v[SV_PARAM_PREFILTER_PASSES] : 0,
         .prefilter_kernel = (uint32_t)v[SV_PARAM_PREFILTER_KERNEL],
     };
@@ -79,8 +78,7 @@ static bool expect(scratch *b, const sv_ref_method *definition, const sv_config 
                               .volume = &volume,
                               .q = (double)Q,
                               .settings = &settings};
-    const sv_ref_device device = {
-        .slices = SLICES, .substeps = c->substeps, .doubles = doubles, .half_sums = c->half_sums};
+    const sv_ref_device device = {.slices = SLICES, .substeps = c->substeps, .doubles = doubles};
     *bound = sv_ref_bound(definition, &task, &device);
     if (!sv_method_uses(sv_method_of(c->method), SV_PARAM_EVIDENCE)) /* no points are looked for */
         memset(b->expected_status, SV_POINT_NONE, sizeof b->expected_status);
@@ -114,7 +112,7 @@ static sv_status compare(sv_diag *diag, const scratch *b, double bound) {
 sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_program *narrow,
                              const sv_program *wide, const sv_config *config, const sv_values *defaults) {
     const sv_method *method = sv_method_of(config->method);
-    if (method->takes_sums && config->prefilter == SV_PREFILTER_NONE && config->reduction == 1) return SV_OK;
+    if (method->takes_sums && config->prefilter == SV_PREFILTER_NONE) return SV_OK;
     const sv_config small = {.width = WIDTH,
                              .height = HEIGHT,
                              .slices = SLICES,
@@ -131,8 +129,6 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_pr
                              .method = config->method,
                              .prefilter = config->prefilter,
                              .float32 = config->float32,
-                             .half_sums = config->half_sums,
-                             .reduction = config->reduction,
                              .merge_grid = MERGE};
     sv_values values = *defaults;
     values.of[SV_PARAM_Q] = (double)Q;
@@ -146,8 +142,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_pr
     sv_status status = sv_pipeline_create(&pipeline, diag, device, narrow, wide, NULL, &small);
     if (status == SV_OK) status = compute(&pipeline, b, &values);
     double bound = 0.0;
-    if (status == SV_OK &&
-        !expect(b, method->definition, &small, sv_chain_map(&pipeline.chain)->doubles, &values, &bound))
+    if (status == SV_OK && !expect(b, method->definition, &small, pipeline.map.doubles, &values, &bound))
         status = sva_error(diag, SV_ERR_NO_MEMORY, "no memory for the self-test's reference");
     if (status == SV_OK) status = compare(diag, b, bound);
     sv_pipeline_destroy(&pipeline);

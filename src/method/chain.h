@@ -3,9 +3,6 @@
  * The chain from the initial points to the surfaces:
  *
  *     ray states -> chain_gather -> points -> [minimum filter] -> points -> method -> surfaces -> S(q)
- *
- * At a reduced resolution chain_cells takes the place of chain_gather, the method works on a map of cells,
- * and chain_spread brings its surfaces back to the pixels.
  */
 #ifndef SV_CHAIN_H
 #define SV_CHAIN_H
@@ -18,9 +15,7 @@ typedef struct {
     bool direct;   /* the method takes the sums of the points stage: nothing is gathered */
     bool linear;   /* in the depths: one run serves every q */
     bool filtered; /* the minimum filter comes first */
-    bool reduced;  /* the method works on `cells` */
-    sv_map *frame; /* the frame's own map */
-    sv_map cells;
+    sv_map *map;   /* of the frame */
     sv_method_state state, filter; /* of the method, of the pre-filter */
     sv_kernel_set gather;
 } sv_chain;
@@ -31,8 +26,8 @@ bool sv_chain_is_surveyed(const sv_config *config);
 /* True if some frame with this format can need 64-bit sums. */
 bool sv_chain_needs_wide(const sv_config *config);
 
-/* Decides what the chain consists of. `frame` was initialised and must outlive the chain. Makes nothing. */
-void sv_chain_init(sv_chain *chain, sv_map *frame);
+/* Decides what the chain consists of. `map` was initialised and must outlive the chain. Makes nothing. */
+void sv_chain_init(sv_chain *chain, sv_map *map);
 
 /* Makes the buffers but for those of the frame's map; then the kernels, and what they need once. */
 sv_status sv_chain_buffers(sv_chain *chain);
@@ -40,12 +35,6 @@ sv_status sv_chain_build(sv_chain *chain);
 
 /* Releases the chain; a zeroed struct may be passed. */
 void sv_chain_destroy(sv_chain *chain);
-
-/* The map that the method works on. */
-sv_map *sv_chain_map(sv_chain *chain);
-
-/* Begins a frame whose map has its job. */
-void sv_chain_begin(sv_chain *chain);
 
 /* Enqueues everything from the points to the surfaces. `state16`: ray states. `q` counts if the chain
  * is not linear. */

@@ -7,16 +7,9 @@
 
 enum { BAND_MIN_ROWS = 32, BANDS_PER_UNIT = 2 };
 
-/* A frame's fixed-point format on a map of these sides. */
-static sv_fixed format_of(const sv_config *c, uint32_t width, uint32_t height, uint32_t k,
-                          uint32_t weight_initial) {
-    return c->half_sums ? sv_half_format(c->slices, weight_initial)
-                        : sv_fixed_format(width, height, c->slices, k, weight_initial);
-}
-
 bool sv_map_needs_wide(const sv_config *c) {
     for (uint32_t k = 3; k <= SV_MAX_K; k += 2)
-        if (format_of(c, c->width, c->height, k, 4).wide) return true;
+        if (sv_fixed_format(c->width, c->height, c->slices, k, 4).wide) return true;
     return false;
 }
 
@@ -27,10 +20,8 @@ static uint32_t band_count(const sv_device *device, uint32_t strategy, uint32_t 
     return wanted < maximum ? wanted : maximum;
 }
 
-void sv_map_init(sv_map *m, const sv_queue *queue, const sv_config *c, uint32_t spacing, bool wide_sums) {
-    *m = (sv_map){.queue = queue, .config = c, .spacing = spacing};
-    m->width = sv_reduced_side(c->width, spacing);
-    m->height = sv_reduced_side(c->height, spacing);
+void sv_map_init(sv_map *m, const sv_queue *queue, const sv_config *c, bool wide_sums) {
+    *m = (sv_map){.queue = queue, .config = c, .width = c->width, .height = c->height};
     m->padded_width = (m->width + SV_LANES - 1) / SV_LANES * SV_LANES;
     m->bands = band_count(queue->device, c->strategy, m->height);
     m->sum_bytes = wide_sums ? sizeof(cl_ulong) : sizeof(cl_uint);
@@ -67,31 +58,17 @@ void sv_map_release(sv_map *m) {
     m->record = NULL;
 }
 
-static void choose_format(sv_map *m) {
+void sv_map_begin(sv_map *m, const sv_job *job, const sv_values *values) {
     sv_job *j = &m->job;
+    *j = *job;
+    m->values = *values;
     j->width = m->width;
     j->padded_width = m->padded_width;
     j->height = m->height;
     j->pass_limit = sv_pass_limit(m->width, m->height, j->k);
-    const sv_fixed format = format_of(m->config, m->width, m->height, j->k, j->weight_initial);
+    const sv_fixed format = sv_fixed_format(m->width, m->height, m->config->slices, j->k, j->weight_initial);
     j->fraction = format.fraction;
     m->program = format.wide && m->wide ? m->wide : m->narrow;
-}
-
-void sv_map_begin(sv_map *m, const sv_job *job, const sv_values *values) {
-    m->job = *job;
-    m->values = *values;
-    choose_format(m);
-}
-
-void sv_map_begin_reduced(sv_map *m, const sv_map *frame) {
-    double *v = m->values.of;
-    m->job = frame->job;
-    m->values = frame->values;
-    m->job.k = sv_reduced_kernel(frame->job.k, m->spacing);
-    choose_format(m);
-    v[SV_PARAM_PREFILTER_KERNEL] = sv_reduced_kernel((uint32_t)v[SV_PARAM_PREFILTER_KERNEL], m->spacing);
-    v[SV_PARAM_LAMBDA] /= (double)m->spacing * m->spacing;
 }
 
 sv_status sv_map_done_passes(const sv_map *m) {

@@ -41,25 +41,21 @@ typedef struct {
     uint32_t strategy;          /* SV_STRATEGY_*; AUTO is resolved by sv_pipeline_create */
     uint32_t method, prefilter; /* SV_METHOD_*, SV_PREFILTER_* */
     uint32_t merge_grid, spline_grid;
-    uint32_t reduction; /* pixels along a side of the cells that the method works on; 1: pixels */
-    bool half_sums;     /* mean filter: planes of 16 bits between passes */
-    bool float32;       /* the solvers do without float64 even where the device has it */
+    bool float32; /* the solvers do without float64 even where the device has it */
     const void *host_memory;
     uint64_t host_memory_bytes;
 } sv_config;
 
-/* ---- the map (map.c): the place a method works on, the frame's own pixels or the cells of a reduced
- * resolution. Lengths, windows and weights in `job` and `values` are in the map's own pixels. */
+/* ---- the map (map.c): what a method works on */
 
 typedef struct {
     const sv_queue *queue;
     const sv_program *narrow,
-        *wide;               /* kernels with 32-bit sums, with 64-bit sums (NULL: nothing needs them) */
-    const sv_config *config; /* of the frame; its sizes are not the map's */
+        *wide; /* kernels with 32-bit sums, with 64-bit sums (NULL: nothing needs them) */
+    const sv_config *config;
     uint32_t width, height;
     uint32_t padded_width; /* of the rows of every buffer: a multiple of SV_LANES */
     uint32_t bands;        /* bands of rows that work items share, strategy bands */
-    uint32_t spacing;      /* pixels of the frame from one pixel of this map to the next */
     uint32_t sum_bytes;    /* of a value in the mean filter's planes: 4, or 8 if a frame can need wide sums */
     bool doubles;          /* the spline's solver computes in float64 */
 
@@ -86,10 +82,9 @@ typedef struct {
 /* True if some frame of a method that takes sums can need 64-bit ones. */
 bool sv_map_needs_wide(const sv_config *config);
 
-/* Sizes of a map whose pixels lie `spacing` pixels of the frame apart. Makes no buffer. `wide_sums`: planes
- * of sums leave room for 64 bits. The pointed-to objects must outlive the map. */
-void sv_map_init(sv_map *map, const sv_queue *queue, const sv_config *config, uint32_t spacing,
-                 bool wide_sums);
+/* Sizes of the map. Makes no buffer. `wide_sums`: planes of sums leave room for 64 bits. The pointed-to
+ * objects must outlive the map. */
+void sv_map_init(sv_map *map, const sv_queue *queue, const sv_config *config, bool wide_sums);
 
 /* Makes the buffers that every method on points needs, and (with_sums) the mean filter's first planes. */
 sv_status sv_map_buffers(sv_map *map, bool with_sums, cl_mem record);
@@ -103,10 +98,6 @@ void sv_map_release(sv_map *map);
 /* Takes a frame's job and values, and chooses what depends on the map's size: passes, and the format
  * of the sums. */
 void sv_map_begin(sv_map *map, const sv_job *job, const sv_values *values);
-
-/* Takes the job and values of `frame` for a map of cells, in whose units lengths are counted. Lambda is an
- * area (docs/algorithm.md). */
-void sv_map_begin_reduced(sv_map *map, const sv_map *frame);
 
 /* Notes in the map's record that every pixel has a surface after so many passes, or what the passes
  * themselves counted. */
@@ -191,9 +182,9 @@ typedef struct {
     sv_status (*prepare)(const sv_map *map, sv_method_state *state);
 
     /* For methods that need more of the volume than the points: all three, and then no `run`; or NULL. Such a
-     * method is asked for no points, is not filtered and works on pixels, whatever the reduction; the map has
-     * no surfaces. `slabs` takes slabs, and `find` all of them: it writes the record, sv_stats' part. `place`
-     * writes the depthmap at q, after `find` and for every other q. */
+     * method is asked for no points and is not filtered; the map has no surfaces. `slabs` takes slabs, and
+     * `find` all of them: it writes the record, sv_stats' part. `place` writes the depthmap at q, after
+     * `find` and for every other q. */
     sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *slabs);
     sv_status (*find)(const sv_map *map, sv_method_state *state, const sv_frame_context *frame);
     sv_status (*place)(const sv_map *map, sv_method_state *state, float q, const sv_depth_target *to);
@@ -224,7 +215,7 @@ typedef struct {
     (SV_USES(FLUID_THRESHOLD) | SV_USES(BONE_MODE) | SV_USES(EVIDENCE) | SV_USES(MIN_GAP) |                  \
      SV_USES(DROP_EMPTY) | SV_USES(SUBSTEPS))
 /* What matters for every method that starts from them. */
-#define SV_USES_POINTS (SV_USES_EVIDENCE | SV_USES(PREFILTER) | SV_USES(REDUCTION))
+#define SV_USES_POINTS (SV_USES_EVIDENCE | SV_USES(PREFILTER))
 _Static_assert(SV_PARAM_ID_END <= 64, "sv_method.parameters has a bit per parameter");
 
 /* The tables of the methods. */

@@ -75,10 +75,10 @@ static sv_status rays_pass(const sv_map *m, const sv_method_state *s, uint32_t p
 static sv_status load_points(const sv_map *m, const sv_method_state *s, uint32_t planes) {
     sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[K_LOAD], "mean_load");
     sv_launch_arg(&l, sizeof m->job, &m->job);
-    sv_launch_uint(&l, m->config->half_sums ? 16 : m->program == m->wide ? 64 : 32);
+    sv_launch_uint(&l, m->program == m->wide);
     sv_launch_uint(&l, planes);
     sv_launch_buffer(&l, m->points);
-    for (int type = 0; type < 3; type++) sv_launch_buffer(&l, m->sums);
+    for (int type = 0; type < 2; type++) sv_launch_buffer(&l, m->sums);
     return sv_launch_pixels(&l, m->padded_width, m->height, SV_STAGE_RECONSTRUCT);
 }
 
@@ -101,8 +101,7 @@ static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
 }
 
 const sv_method sv_method_mean = {.definition = &sv_ref_method_mean,
-                                  .parameters = SV_USES_POINTS | SV_USES(KERNEL) | SV_USES(FILL_WEIGHT) |
-                                                SV_USES(PRECISION),
+                                  .parameters = SV_USES_POINTS | SV_USES(KERNEL) | SV_USES(FILL_WEIGHT),
                                   .linear = true,
                                   .takes_sums = true,
                                   .kernels = kernels,

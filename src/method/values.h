@@ -5,8 +5,8 @@
 
 #include "method_list.h"
 
-/* Stable ids of the parameters (never reused: 21, 23 and 24 were data_weight, solver_steps and memory). They
- * index sv_values. */
+/* Stable ids of the parameters (never reused: 21 and 23 to 25 were data_weight, solver_steps, memory and
+ * reduction). They index sv_values. */
 enum {
     SV_PARAM_Q = 1,
     SV_PARAM_FLUID_THRESHOLD = 2,
@@ -29,7 +29,6 @@ enum {
     SV_PARAM_MERGE_GRID = 19,
     SV_PARAM_SPLINE_GRID = 20,
     SV_PARAM_PRECISION = 22,
-    SV_PARAM_REDUCTION = 25,
     SV_PARAM_UNSURE = 26,
     SV_PARAM_ID_END
 };
@@ -40,8 +39,8 @@ enum { SV_STRATEGY_AUTO = 0, SV_STRATEGY_SINGLE = 1, SV_STRATEGY_BANDS = 2, SV_S
 /* Ends of ranges: with these a frame enqueues most. */
 enum { SV_MIN_KERNEL = 3, SV_MAX_PREFILTER_PASSES = 16 };
 
-/* Numbers that the spline's solver computes with, or that the mean filter keeps. */
-enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1, SV_PRECISION_INT16 = 2 };
+/* Numbers that the spline's solver computes with. */
+enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1 };
 
 /* What is done where fluid in front of the fetus is doubtful. */
 enum { SV_UNSURE_KEEP = 0, SV_UNSURE_CLIP = 1 };

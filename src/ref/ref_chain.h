@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The definition of every method, and of the chain around it: pre-filter, reduced resolution. Tests and
- * benchmark hold the kernels to it, and the plugin's self-test asks the device for an answer computed here.
+ * The definition of every method, and of the pre-filter before it. Tests and benchmark hold the kernels to
+ * it, and the plugin's self-test asks the device for an answer computed here.
  */
 #ifndef SV_REF_CHAIN_H
 #define SV_REF_CHAIN_H
@@ -20,8 +20,7 @@ const char *sv_ref_method_name(uint32_t method);
 /* Largest difference in slices that the whole chain's surface may have from sv_ref_chain. */
 double sv_ref_bound(const sv_ref_method *method, const sv_ref_task *task, const sv_ref_device *device);
 
-/* The whole chain: reduction, pre-filter, method, and back to the pixels of task->map, which must be those
- * of the frame. */
+/* The whole chain: pre-filter and method. */
 bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface);
 
 #endif

@@ -13,7 +13,6 @@ typedef struct {
     double fill_weight; /* 0..1 */
     double lambda;
     uint32_t merge_grid, spline_grid;
-    uint32_t reduction;                          /* 1: pixels */
     uint32_t prefilter_passes, prefilter_kernel; /* passes 0: no pre-filter */
 } sv_ref_settings;
 
@@ -31,20 +30,14 @@ typedef struct {
 typedef struct {
     uint32_t slices, substeps; /* the largest depth, and samples of a slice */
     bool doubles;              /* the spline's solver has float64 */
-    bool half_sums;            /* the mean filter keeps 16 bits */
 } sv_ref_device;
 
 typedef struct {
-    bool takes_volume; /* the volume, not the points: no pre-filter and no reduction */
-    bool minimum; /* a cell of a reduced map stands for the minimum depth of its points, not for their mean */
+    bool takes_volume; /* the volume, not the points: no pre-filter */
 
     /* Largest difference in slices that a device's surface may have from this one (docs/numerics.md has the
      * reasons); sv_ref_bound is what self-test and tests ask. */
     double (*bound)(const sv_ref_task *task, const sv_ref_device *device);
-
-    /* Largest share of the points' range of depths that reduction 2 and 4 give up (docs/numerics.md). Not
-     * for a method that takes the volume. */
-    double given_up[2];
 
     /* The surface at every pixel of task->map, in slices. False if memory runs out. */
     bool (*surface)(const sv_ref_task *task, double *surface);

@@ -71,5 +71,4 @@ static double bound(const sv_ref_task *task, const sv_ref_device *device) {
 }
 
 /* Reduced, it may pick another point altogether. */
-const sv_ref_method sv_ref_method_minimum = {
-    .minimum = true, .bound = bound, .given_up = {1.0, 1.0}, .surface = of_task};
+const sv_ref_method sv_ref_method_minimum = {.bound = bound, .surface = of_task};

@@ -272,4 +272,4 @@ static double bound(const sv_ref_task *task, const sv_ref_device *device) {
     return device->doubles ? 1e-3 : 1e-2;
 }
 
-const sv_ref_method sv_ref_method_spline = {.bound = bound, .given_up = {0.12, 0.30}, .surface = of_task};
+const sv_ref_method sv_ref_method_spline = {.bound = bound, .surface = of_task};

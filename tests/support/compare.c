@@ -72,7 +72,7 @@ static void compare_double(const rig_result *got, const rig_expected *e, const s
             (void)fprintf(stderr, "%u passes allow an error of %g\n", e->fill.passes, bound);
             fail_pixel(where, "depth (float64)", i, volume->width, (double)got->depth[i], e->depth_double[i]);
         }
-        if (!e->format.half && !(error <= COMPARE_PROMISE))
+        if (!(error <= COMPARE_PROMISE))
             fail_pixel(where, "depth (promise)", i, volume->width, (double)got->depth[i], e->depth_double[i]);
         if (error > summary->worst) summary->worst = error;
         if (bound > 0.0 && error / bound > summary->worst_share) summary->worst_share = error / bound;

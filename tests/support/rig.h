@@ -18,7 +18,6 @@ typedef struct {
     double fluid_threshold, omega;
     sv_ref_bone bone;
     uint32_t k, substeps;
-    bool half; /* precision int16; also a parameter of activate */
     float q;
     double evidence, min_gap; /* the default here is 0: a surface however little speaks for a gap */
 } rig_settings;

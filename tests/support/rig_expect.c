@@ -67,7 +67,6 @@ rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *s, bool
     uint32_t weight_initial, weight_filled;
     sv_fill_weights(s->omega, &weight_initial, &weight_filled);
     e.format = sv_fixed_format(width, height, volume->slices, s->k, weight_initial);
-    if (s->half) e.format = sv_half_format(volume->slices, weight_initial);
     const bool ok = sv_ref_mean_fixed(e.status, positions, positions + count, width, height, s->k, s->omega,
                                       s->substeps, e.format, surfaces, surfaces + count, &e.fill);
     assert(ok);

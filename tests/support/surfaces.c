@@ -130,9 +130,8 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         {rig_param(r, "prefilter"), 0, chain->prefilter_passes > 0},
         {rig_param(r, "merge_grid"), 0, chain->merge_grid},
         {rig_param(r, "spline_grid"), 0, chain->spline_grid},
-        {rig_param(r, "precision"), 0, chain->half ? 2 : chain->float32},
+        {rig_param(r, "precision"), 0, chain->float32},
         {rig_param(r, "strategy"), 0, chain->strategy},
-        {rig_param(r, "reduction"), 0, chain->reduction ? chain->reduction : 1},
     };
     sv_format format = surface_format(points, fixed, sizeof fixed / sizeof *fixed);
     format.context = r->context;
@@ -166,7 +165,6 @@ static sv_ref_settings settings_of(const surface_chain *chain) {
     sv_ref_settings s = sv_ref_default_settings;
     if (chain->k) s.kernel = chain->k;
     if (chain->prefilter_k) s.prefilter_kernel = chain->prefilter_k;
-    if (chain->reduction) s.reduction = chain->reduction;
     s.prefilter_passes = chain->prefilter_passes;
     s.lambda = chain->lambda;
     s.merge_grid = chain->merge_grid;
@@ -225,8 +223,7 @@ double surface_bound(const surface_chain *chain, const surface_points *points) {
     const sv_ref_task task = {.map = {.width = points->width, .height = points->height},
                               .q = (double)chain->q,
                               .settings = &settings};
-    const sv_ref_device device = {
-        .slices = points->slices, .substeps = 1, .doubles = !chain->float32, .half_sums = chain->half};
+    const sv_ref_device device = {.slices = points->slices, .substeps = 1, .doubles = !chain->float32};
     return sv_ref_bound(sv_ref_method_of((uint32_t)chain->method), &task, &device);
 }
 

@@ -22,9 +22,8 @@ typedef struct {
     uint32_t prefilter_passes, prefilter_k; /* passes 0: no pre-filter */
     double lambda;
     uint32_t merge_grid, spline_grid;
-    bool float32, half; /* precision float32, or int16 */
-    uint32_t reduction; /* 0: 1 */
-    uint32_t strategy;  /* work layout; 0: auto */
+    bool float32;      /* precision float32 */
+    uint32_t strategy; /* work layout; 0: auto */
     float q;
 } surface_chain;
 

@@ -70,11 +70,10 @@ static void launch(filter *f, const char *name, const argument *list, cl_uint co
 
 /* S(q) in the maps to the surface, with all passes that it takes. */
 static void run(filter *f, float *surface, uint32_t *record) {
-    const cl_uint bits = 64, planes = 1, width = SIDE, height = SIDE;
-    const argument load[] = {ARGUMENT(f->job),    ARGUMENT(bits),       ARGUMENT(planes),
-                             ARGUMENT(f->maps),   ARGUMENT(f->sums[0]), ARGUMENT(f->sums[0]),
-                             ARGUMENT(f->sums[0])};
-    launch(f, "mean_load", load, 7, SIDE, SIDE);
+    const cl_uint wide = 1, planes = 1, width = SIDE, height = SIDE;
+    const argument load[] = {ARGUMENT(f->job),  ARGUMENT(wide),       ARGUMENT(planes),
+                             ARGUMENT(f->maps), ARGUMENT(f->sums[0]), ARGUMENT(f->sums[0])};
+    launch(f, "mean_load", load, 6, SIDE, SIDE);
     for (cl_uint pass = 0; pass < f->job.pass_limit; pass++) {
         const argument mean[] = {ARGUMENT(f->job),
                                  ARGUMENT(pass),

@@ -106,10 +106,9 @@ static void check_case(rig *r, const hard_case *c, const surface_chain *chain) {
     const double error = surface_error(&out, expected, (size_t)c->width * c->height);
     const double bound = surface_bound(chain, &p);
     if (!(error <= bound) || getenv("SV_VERBOSE"))
-        print_message("%-28s %-9s%s 1/%u %s error %.2e slices, bound %.0e (%s)\n", c->name,
-                      surface_name(chain->method), chain->half ? " int16" : "",
-                      chain->reduction ? chain->reduction : 1,
-                      chain->prefilter_passes ? "pre-filtered" : "            ", error, bound, c->attacks);
+        print_message("%-28s %-9s %s error %.2e slices, bound %.0e (%s)\n", c->name,
+                      surface_name(chain->method), chain->prefilter_passes ? "pre-filtered" : "            ",
+                      error, bound, c->attacks);
     assert_true(error <= bound);
     assert_int_equal(report.dropped, 0);
     free(expected);
@@ -123,36 +122,6 @@ static void check_method(rig *r, int method) {
             const surface_chain chain = {
                 .method = method, .k = cases[i].k, .q = 0.5f, .prefilter_passes = passes, .prefilter_k = 3};
             check_case(r, &cases[i], &chain);
-        }
-}
-
-/* The same at reduced resolutions: cells that the image does not fill, and maps of one cell. */
-static void test_reduced(void **state) {
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method))
-            for (uint32_t reduction = 2; reduction <= 4; reduction += 2) {
-                const surface_chain chain = {.method = method,
-                                             .k = cases[i].k,
-                                             .q = 0.5f,
-                                             .reduction = reduction,
-                                             .prefilter_passes = reduction == 4,
-                                             .prefilter_k = 3};
-                check_case(*state, &cases[i], &chain);
-            }
-}
-
-/* Planes of 16 bits hold the hard cases, also those of depths with a sign. */
-static void test_half(void **state) {
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        for (uint32_t n = 0; n < 3; n++) {
-            const surface_chain chain = {.method = SV_METHOD_MEAN,
-                                         .k = cases[i].k,
-                                         .q = 1.5f,
-                                         .half = true,
-                                         .reduction = n == 2 ? 2 : 1,
-                                         .prefilter_passes = n == 1,
-                                         .prefilter_k = 3};
-            check_case(*state, &cases[i], &chain);
         }
 }
 
@@ -202,4 +171,4 @@ static void test_volumes(void **state) {
 }
 
 UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_every_method), cmocka_unit_test(test_volumes),
-          cmocka_unit_test(test_spline_ways), cmocka_unit_test(test_reduced), cmocka_unit_test(test_half))
+          cmocka_unit_test(test_spline_ways))

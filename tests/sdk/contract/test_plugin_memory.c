@@ -11,11 +11,10 @@
 
 #include <inttypes.h>
 
-static void choose(fixture *f, uint32_t carrier, double method, double reduction) {
-    const rig_format how = {.carrier = carrier,
-                            .fixed = {{rig_param(&f->r, "method"), 0, method},
-                                      {rig_param(&f->r, "prefilter"), 0, 1.0},
-                                      {rig_param(&f->r, "reduction"), 0, reduction}}};
+static void choose(fixture *f, uint32_t carrier, double method) {
+    const rig_format how = {
+        .carrier = carrier,
+        .fixed = {{rig_param(&f->r, "method"), 0, method}, {rig_param(&f->r, "prefilter"), 0, 1.0}}};
     fixture_change(f, how);
 }
 
@@ -33,27 +32,25 @@ static void the_sum_is_that_of_the_buffers(void **state) {
     char line[80];
     spy_watch(f->r.entry);
     for (int method = surface_next(-1); method >= 0; method = surface_next(method))
-        for (uint32_t carrier = SV_CARRIER_HOST; carrier <= SV_CARRIER_IMAGE; carrier++)
-            for (double reduction = 1.0; reduction <= 2.0; reduction++) {
-                if (method != surface_next(-1) && carrier != SV_CARRIER_HOST)
-                    continue; /* methods do not see it */
-                choose(f, carrier, method, reduction);
-                spy_device_memory(1, 0);
-                fixture_refused(f, fixture_activate(f), SV_ERR_FORMAT, "bytes on the device, which has 1");
-                assert_int_equal(spy_live_bytes(), 0);
-                const uint64_t needed = number_behind(f, "needs ");
-                spy_device_memory(needed - 1, 0);
-                fixture_refused(f, fixture_activate(f), SV_ERR_FORMAT, "bytes on the device, which has ");
-                spy_device_memory(needed, 0);
-                assert_int_equal(fixture_activate(f), SV_OK);
-                assert_int_equal(spy_live_bytes(), needed);
-                (void)snprintf(line, sizeof line, " needs %" PRIu64 " bytes on the device, the largest",
-                               needed);
-                assert_non_null(strstr(f->r.all_logs, line));
-                f->r.all_logs[0] = '\0';
-                f->r.plugin->deactivate(f->r.plugin);
-                assert_int_equal(spy_live_bytes(), 0);
-            }
+        for (uint32_t carrier = SV_CARRIER_HOST; carrier <= SV_CARRIER_IMAGE; carrier++) {
+            if (method != surface_next(-1) && carrier != SV_CARRIER_HOST)
+                continue; /* methods do not see it */
+            choose(f, carrier, method);
+            spy_device_memory(1, 0);
+            fixture_refused(f, fixture_activate(f), SV_ERR_FORMAT, "bytes on the device, which has 1");
+            assert_int_equal(spy_live_bytes(), 0);
+            const uint64_t needed = number_behind(f, "needs ");
+            spy_device_memory(needed - 1, 0);
+            fixture_refused(f, fixture_activate(f), SV_ERR_FORMAT, "bytes on the device, which has ");
+            spy_device_memory(needed, 0);
+            assert_int_equal(fixture_activate(f), SV_OK);
+            assert_int_equal(spy_live_bytes(), needed);
+            (void)snprintf(line, sizeof line, " needs %" PRIu64 " bytes on the device, the largest", needed);
+            assert_non_null(strstr(f->r.all_logs, line));
+            f->r.all_logs[0] = '\0';
+            f->r.plugin->deactivate(f->r.plugin);
+            assert_int_equal(spy_live_bytes(), 0);
+        }
     spy_device_memory(0, 0);
 }
 

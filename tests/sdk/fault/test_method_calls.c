@@ -13,12 +13,11 @@
 
 static const cl_int CODE = CL_OUT_OF_HOST_MEMORY;
 
-/* A method, with or without the pre-filter, in one of the work layouts, at full or at reduced resolution. */
-static void choose(fixture *f, int method, bool prefilter, uint32_t strategy, uint32_t reduction) {
+/* A method, with or without the pre-filter, in one of the work layouts. */
+static void choose(fixture *f, int method, bool prefilter, uint32_t strategy) {
     rig_format how = {.fixed = {{rig_param(&f->r, "method"), 0, method},
                                 {rig_param(&f->r, "prefilter"), 0, prefilter},
-                                {rig_param(&f->r, "strategy"), 0, strategy},
-                                {rig_param(&f->r, "reduction"), 0, reduction}}};
+                                {rig_param(&f->r, "strategy"), 0, strategy}}};
     fixture_change(f, how);
 }
 
@@ -58,7 +57,7 @@ static void activations_fail(void **state) {
     fixture *f = *state;
     spy_watch(f->r.entry);
     for (int method = surface_next(-1); method >= 0; method = surface_next(method)) {
-        choose(f, method, method == SV_METHOD_MEAN, 1, 1 + (uint32_t)method % 2);
+        choose(f, method, method == SV_METHOD_MEAN, 1);
         uint32_t n = 1;
         /* most calls are kernels, which are alike: further and further apart */
         while (activate_failing(f, n)) n += 3 + n / 16;
@@ -74,7 +73,7 @@ static void frames_fail(void **state) {
     fixture *f = *state;
     spy_watch(f->r.entry);
     for (int method = surface_next(-1); method >= 0; method = surface_next(method)) {
-        choose(f, method, method == SV_METHOD_MEAN, 2, 2 - (uint32_t)method % 2);
+        choose(f, method, method == SV_METHOD_MEAN, 2);
         assert_int_equal(fixture_activate(f), SV_OK);
         for (uint32_t n = 1;; n += 1 + n / 8) {
             spy_reset();
@@ -97,9 +96,8 @@ static void allocations_fail(void **state) {
     if (!heap_spy_works()) skip();
     spy_watch(f->r.entry);
     heap_spy_watch(f->r.entry);
-    for (int method = surface_next(-1), way = 0; method >= 0;
-         method = way % 2 ? surface_next(method) : method, way++) {
-        choose(f, method, method == SV_METHOD_MEAN, 1, 1 + (uint32_t)way % 2);
+    for (int method = surface_next(-1); method >= 0; method = surface_next(method)) {
+        choose(f, method, method == SV_METHOD_MEAN, 1);
         for (uint32_t n = 1;; n++) {
             heap_spy_reset();
             heap_spy_fail(n);
@@ -122,7 +120,7 @@ static void wrong_answers_are_noticed(void **state) {
     fixture *f = *state;
     spy_watch(f->r.entry);
     for (int method = surface_next(-1); method >= 0; method = surface_next(method)) {
-        choose(f, method, method == SV_METHOD_MEAN, 1, 1);
+        choose(f, method, method == SV_METHOD_MEAN, 1);
         uint32_t n = 1;
         for (;; n++) {
             spy_reset();
