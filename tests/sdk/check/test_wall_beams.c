@@ -224,29 +224,29 @@ static void test_kernels_follow_the_definition(void **state) {
     uint32_t answers[SV_WALL_OPEN + 1] = {0};
     for (uint32_t n = 0; n < 3 * sizeof fans / sizeof *fans; n++) {
         const uint32_t fan = n / 3;
-        const float mm = n % 3 == 2 ? 1.7f : 0.9f; /* of which blocks are single voxels, which are smoothed */
+        const float mm = n % 3 == 2 ? 1.7f : 1.05f; /* of which blocks are single voxels, which are smoothed */
         sv_beams beams = {.kind = fan % 4 == 3 ? SV_BEAMS_PARALLEL : SV_BEAMS_FAN};
         turn(fans[fan].degrees, beams.rotation, beams.side);
         for (int a = 0; a < 3 && beams.kind == SV_BEAMS_FAN; a++)
             beams.apex_mm[a] = (float)fans[fan].apex_mm[a];
         if (beams.kind == SV_BEAMS_FAN) beams.sweep_mm = (float)fans[fan].sweep_mm;
-        const wall_shape s = {.width = 96,
-                              .height = 96,
-                              .slices = 96,
+        const wall_shape s = {.width = 84,
+                              .height = 84,
+                              .slices = 84,
                               .slab_slices = 24,
                               .padding = n % 3 ? SV_NO_PADDING : 0,
                               .spacing_mm = {mm, mm, mm},
                               .beams = &beams};
         sv_wall_outcome unasked = SV_WALL_OPEN;
         if (n % 3) {
-            uint8_t *noise = wall_layered_noise(96, 96, 96, 30, 20, n);
+            uint8_t *noise = wall_layered_noise(84, 84, 84, 30, 20, n);
             (void)wall_compare_outcome(*state, &s, noise, "beams", &unasked);
             answers[unasked]++;
             free(noise);
             continue;
         }
         hs_scene_data data;
-        make_scene(fan == 1 ? "H11" : fan % 2 ? "E01" : fan == 6 ? "H10" : "D02", 96, 2, 1, 0, &data, NULL);
+        make_scene(fan == 1 ? "H11" : fan % 2 ? "E01" : fan == 6 ? "H10" : "D02", 84, 2, 1, 0, &data, NULL);
         (void)wall_compare_outcome(*state, &s, data.full.voxels, "beams", &unasked);
         answers[unasked]++;
         hs_scene_free(&data);
