@@ -60,7 +60,8 @@ def volumes(files: Sequence[Path], where: Path, whole_file: bool = False) -> lis
     if not found:
         pictures = sum(path.suffix.lower() in _PICTURES for path in files)
         other = f", but {pictures} pictures, which tell no length: save them as one TIFF file" if pictures else ""
-        raise FileError(f"{where}: {'is no picture' if whole_file else 'the folder has no DICOM series' + other}")
+        none = "the folder has no DICOM series" if files else "there is no file in the folder"
+        raise FileError(f"{where}: {'is no picture' if whole_file else none + other}")
     return found
 
 
@@ -87,6 +88,8 @@ def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame
         raise FileError(f"{path}: SOP class {kind} holds pictures over time, not a volume")
     if whole_file and count == 1:
         raise FileError(f"{path}: it is one picture of a DICOM series; name the folder that holds them all")
+    if data.get("PhotometricInterpretation") == "MONOCHROME1":  # which nobody below turns round
+        raise FileError(f"{path}: its grey is inverted (MONOCHROME1): convert it to MONOCHROME2")
     if groups and len(groups) != count:
         raise FileError(f"{path}: it has {count} pictures and says where {len(groups)} of them lie")
     shared = (data.get("SharedFunctionalGroupsSequence") or [None])[0]
@@ -177,6 +180,10 @@ def _divide(frames: list[Frame], number: int, groups: int) -> list[Volume]:
     places = len({round(depth, 3) for depth in along.values()})
     if places == len(frames):
         return [_volume(frames, series)]
+    if places == 1:
+        raise FileError(
+            f"{frames[0].path}: it and others, {len(frames)} pictures, lie at one place: they make up no volume"
+        )
     by: list[tuple[str, Callable[[Frame], Any]]] = [
         (mark, lambda frame, mark=mark: frame.marks[mark])  # type: ignore[misc]
         for mark in frames[0].marks
@@ -227,13 +234,20 @@ def _volume(frames: list[Frame], name: str, placed: bool = True) -> Volume:
 
 def _evenly(frames: list[Frame]) -> float:
     """mm from slice to slice; FileError: not the same everywhere, and with one missing the rest lie in the wrong
-    place."""
-    gaps = np.linalg.norm(np.diff(np.array([frame.place for frame in frames]), axis=0), axis=1)
+    place; or slices beside each other."""
+    steps = np.diff(np.array([frame.place for frame in frames]), axis=0)
+    gaps = np.linalg.norm(steps, axis=1)
     usual = float(np.median(gaps))
     worst = int(np.abs(gaps - usual).argmax())
     if usual <= 0 or abs(gaps[worst] - usual) > _UNEVEN * usual:
         raise FileError(
             f"{frames[worst + 1].path}: it lies {gaps[worst]:.4g} mm behind the slice before it, others of the DICOM "
             f"series {usual:.4g} mm: slices are missing or not evenly spaced"
+        )
+    assert frames[0].across is not None
+    aside = float(np.linalg.norm(steps @ frames[0].across.T, axis=1).max())
+    if aside > _UNEVEN * usual:
+        raise FileError(
+            f"{frames[0].path}: slices of its DICOM series lie {aside:.4g} mm beside the one before: no box"
         )
     return round(float(gaps.mean()), 6)  # positions are decimal texts

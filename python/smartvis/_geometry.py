@@ -45,6 +45,13 @@ def unit(path: Path, fields: dict[str, str]) -> float:
     return units.pop() if units else 1.0
 
 
+def check_marks(path: Path, fields: dict[str, str]) -> None:
+    """FileError for a NRRD's numbers with a comma as decimal mark: of spacings ITK reads what stands before it."""
+    apart, vectors = fields.get("spacings", ""), fields.get("spacedirections", "")
+    if "," in apart or any(vector.count(",") > 2 for vector in re.findall(r"\(([^)]*)\)", vectors)):
+        raise FileError(f"{path}: its spacing is '{apart or vectors}', expected a point as decimal mark")
+
+
 def says_spacing(path: Path, fields: dict[str, str], reader: Any) -> bool:
     """Whether the file says how far apart voxels are; ITK says 1 if not."""
     name = path.name.lower()

@@ -79,6 +79,7 @@ class Reader:
             self.count = len(self._dicom)
             return
         self._fields = _header(self.path)
+        _geometry.check_marks(self.path, self._fields)
         self._scale = _geometry.unit(self.path, self._fields)
         self._ask_host()
         self._patched = _geometry.patched(self.path, self._fields)

@@ -44,7 +44,10 @@ def nrrd(path: Path, voxels: np.ndarray, *lines: str, sizes: str = "96 96 48") -
     path.write_bytes("\n".join([*head, "", ""]).encode() + voxels.tobytes())
 
 
-def enhanced(path: Path, voxels: np.ndarray, times: int = 1, measures: bool = True, missing: int = -1) -> None:
+def enhanced(
+    path: Path, voxels: np.ndarray, times: int = 1, measures: bool = True, missing: int = -1, grey: str = "MONOCHROME2",
+    step: tuple[float, float, float] = (0.0, 0.0, 2.5),
+) -> None:  # fmt: skip
     """An Enhanced US Volume: spacing in the shared functional groups, place and time in those of each frame."""
     from pydicom.dataset import Dataset, FileMetaDataset
     from pydicom.uid import ExplicitVRLittleEndian, generate_uid
@@ -62,13 +65,13 @@ def enhanced(path: Path, voxels: np.ndarray, times: int = 1, measures: bool = Tr
     frames = [
         of(
             FrameContentSequence=[of(TemporalPositionIndex=t + 1, DimensionIndexValues=[t + 1, z + 1])],
-            PlanePositionVolumeSequence=[of(ImagePositionVolume=[0.0, 0.0, 2.5 * z])],
+            PlanePositionVolumeSequence=[of(ImagePositionVolume=[part * z for part in step])],
         )
         for t, z in where
     ]
     kind = "1.2.840.10008.5.1.4.1.1.6.2"
     data = of(SOPClassUID=kind, SOPInstanceUID=generate_uid(), Modality="US", SeriesInstanceUID=generate_uid())
-    data.SamplesPerPixel, data.PhotometricInterpretation, data.NumberOfFrames = 1, "MONOCHROME2", len(where)
+    data.SamplesPerPixel, data.PhotometricInterpretation, data.NumberOfFrames = 1, grey, len(where)
     data.Rows, data.Columns, data.BitsAllocated, data.BitsStored, data.HighBit = 96, 96, 8, 8, 7
     data.PixelRepresentation, data.PixelData = 0, b"".join(voxels[z].tobytes() for _, z in where)
     data.SharedFunctionalGroupsSequence, data.PerFrameFunctionalGroupsSequence = [shared], frames
@@ -146,6 +149,11 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
                              'space units: "ft" "ft" "ft"'), 3, "its lengths are in 'ft'"),
     "lost.dcm": (lambda path, v: enhanced(path, v, times=2, missing=5), 3, "which of them make up a volume is not"),
     "gap.dcm": (lambda path, v: enhanced(path, v, missing=5), 3, "slices are missing or not evenly spaced"),
+    "beside.dcm": (lambda path, v: enhanced(path, v, step=(0.5, 0, 2.5)), 3, "lie 0.5 mm beside the one before"),
+    "place.dcm": (lambda path, v: enhanced(path, v, step=(0, 0, 0)), 3, "48 pictures, lie at one place"),
+    "white.dcm": (lambda path, v: enhanced(path, v, grey="MONOCHROME1"), 3, "its grey is inverted"),
+    "comma.nrrd": (lambda path, v: nrrd(path, v, "spacings: 1,25 1,25 2,5"), 3, "expected a point as decimal mark"),
+    "nothing": (lambda path, v: path.mkdir(), 3, "there is no file in the folder"),
     "slices": (pictures_in, 3, "no DICOM series, but 3 pictures, which tell no length"),
 }  # fmt: skip
 
