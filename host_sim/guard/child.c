@@ -28,7 +28,7 @@
 
 /* The children that have not been collected yet. Whoever starts one, or looks for strays, holds the lock. */
 static pid_t living[MAX_CHILDREN];
-static pthread_mutex_t family = PTHREAD_MUTEX_INITIALIZER;
+static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
 
 static bool replace_living(pid_t from, pid_t to) {
     for (size_t i = 0; i < MAX_CHILDREN; i++) {
@@ -42,7 +42,7 @@ static bool replace_living(pid_t from, pid_t to) {
 /* fork for a child of which all descendants can be found: orphans of it stay below it, and come to this
  * process when it has ended. */
 static pid_t fork_child(void) {
-    (void)pthread_mutex_lock(&family);
+    (void)pthread_mutex_lock(&starting);
     (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
     const bool room = replace_living(0, -1);
     const pid_t pid = room ? fork() : -1;
@@ -53,7 +53,7 @@ static pid_t fork_child(void) {
     } else if (room) {
         (void)replace_living(-1, pid > 0 ? pid : 0);
     }
-    (void)pthread_mutex_unlock(&family);
+    (void)pthread_mutex_unlock(&starting);
     errno = reason;
     return pid;
 }
@@ -91,25 +91,25 @@ static bool end_strays(void) {
 /* Ends what a child has left behind; it must have been collected. */
 static void end_leftovers(pid_t pid) {
     (void)kill(-pid, SIGKILL);
-    (void)pthread_mutex_lock(&family);
+    (void)pthread_mutex_lock(&starting);
     (void)replace_living(pid, 0);
     for (int looks = 0; looks < MAX_LOOKS && end_strays(); looks++) {
     }
-    (void)pthread_mutex_unlock(&family);
+    (void)pthread_mutex_unlock(&starting);
 }
 
 /* ------------------------------------------------------------------------------------ what it prints -- */
 
 /* Shows what has come, up to the limit. A pipe holds less than is read here, so all that was printed before
  * a message is shown before it is taken. */
-static void listen_to(hs_child *child) {
+static void show_output(hs_child *child) {
     char text[16384];
-    for (int i = 0; child->voice >= 0 && i < 16; i++) {
-        const ssize_t got = read(child->voice, text, sizeof text);
+    for (int i = 0; child->output >= 0 && i < 16; i++) {
+        const ssize_t got = read(child->output, text, sizeof text);
         if (got < 0) return;
         if (got == 0) {
-            (void)close(child->voice);
-            child->voice = -1;
+            (void)close(child->output);
+            child->output = -1;
             return;
         }
         const uint64_t limit = child->limits.said_bytes ? child->limits.said_bytes : UINT64_MAX;
@@ -133,7 +133,7 @@ static void set_limit(__rlimit_resource_t what, rlim_t soft, rlim_t hard) {
 }
 
 /* Between fork and what comes next: calls that are safe there only. */
-static void settle_in(pid_t parent, const hs_child_limits *limits) {
+static void prepare_child(pid_t parent, const hs_child_limits *limits) {
     static const int reset[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL};
     sigset_t none;
     (void)setpgid(0, 0);
@@ -150,9 +150,9 @@ static void settle_in(pid_t parent, const hs_child_limits *limits) {
 }
 
 /* Puts the channel and what is passed where the program looks for them. False with errno. */
-static bool arrange(int channel, int voice, const int *passed, uint32_t count) {
+static bool arrange(int channel, int output, const int *passed, uint32_t count) {
     int high[HS_CHILD_MAX_PASSED + 1];
-    if (dup2(voice, STDERR_FILENO) < 0 || dup2(voice, STDOUT_FILENO) < 0) return false;
+    if (dup2(output, STDERR_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0) return false;
     for (uint32_t i = 0; i <= count; i++) {
         high[i] = fcntl(i ? passed[i - 1] : channel, F_DUPFD_CLOEXEC, ABOVE_PASSED);
         if (high[i] < 0) return false;
@@ -173,7 +173,7 @@ static bool open_channel(int ends[2], hs_error *err) {
 }
 
 /* The parent's side after fork; `pid` < 0: it failed. */
-static bool adopt(hs_child *child, pid_t pid, int ends[2], int voice, const hs_child_limits *limits,
+static bool adopt(hs_child *child, pid_t pid, int ends[2], int output, const hs_child_limits *limits,
                   hs_error *err) {
     const int reason = errno;
     (void)close(ends[1]);
@@ -182,7 +182,7 @@ static bool adopt(hs_child *child, pid_t pid, int ends[2], int voice, const hs_c
         return hs_fail(err, HS_ERR_MEMORY, "child process: cannot be started: %s", strerror(reason));
     }
     (void)setpgid(pid, pid); /* as the child does: whoever comes first */
-    *child = (hs_child){.pid = pid, .channel = ends[0], .voice = voice, .limits = *limits};
+    *child = (hs_child){.pid = pid, .channel = ends[0], .output = output, .limits = *limits};
     return true;
 }
 
@@ -193,7 +193,7 @@ bool hs_child_fork(hs_child *child, const hs_child_limits *limits, int (*work)(i
     if (!open_channel(ends, err)) return false;
     const pid_t parent = getpid(), pid = fork_child();
     if (pid == 0) {
-        settle_in(parent, limits);
+        prepare_child(parent, limits);
         (void)close(ends[0]);
         _exit(work(ends[1], context));
     }
@@ -201,11 +201,11 @@ bool hs_child_fork(hs_child *child, const hs_child_limits *limits, int (*work)(i
 }
 
 /* The new process: becomes the program, or writes errno to `report`. */
-static _Noreturn void become(const char *program, char *const argv[], int channel, int voice,
+static _Noreturn void become(const char *program, char *const argv[], int channel, int output,
                              const int *passed, uint32_t count, int report) {
     /* Above what arrange overwrites. */
     const int safe = fcntl(report, F_DUPFD_CLOEXEC, ABOVE_PASSED);
-    if (safe >= 0 && arrange(channel, voice, passed, count)) (void)execv(program, argv);
+    if (safe >= 0 && arrange(channel, output, passed, count)) (void)execv(program, argv);
     const int reason = errno;
     (void)!write(safe >= 0 ? safe : report, &reason, sizeof reason);
     _exit(127);
@@ -213,25 +213,25 @@ static _Noreturn void become(const char *program, char *const argv[], int channe
 
 bool hs_child_exec(hs_child *child, const hs_child_limits *limits, const char *program, char *const argv[],
                    const int *passed, uint32_t passed_count, hs_error *err) {
-    int ends[2], report[2], voice[2] = {-1, -1}, reason = 0;
+    int ends[2], report[2], output[2] = {-1, -1}, reason = 0;
     *child = (hs_child){0};
     if (passed_count > HS_CHILD_MAX_PASSED)
         return hs_fail(err, HS_ERR_MEMORY, "child process: %u descriptors, at most %u", passed_count,
                        HS_CHILD_MAX_PASSED);
     if (pipe2(report, O_CLOEXEC) != 0)
         return hs_fail(err, HS_ERR_MEMORY, "child process: no pipe: %s", strerror(errno));
-    bool ok = (pipe2(voice, O_CLOEXEC | O_NONBLOCK) == 0 && fcntl(voice[1], F_SETFL, 0) == 0) ||
+    bool ok = (pipe2(output, O_CLOEXEC | O_NONBLOCK) == 0 && fcntl(output[1], F_SETFL, 0) == 0) ||
               hs_fail(err, HS_ERR_MEMORY, "child process: no pipe: %s", strerror(errno));
     if (ok && (ok = open_channel(ends, err))) {
         const pid_t parent = getpid(), pid = fork_child();
         if (pid == 0) {
-            settle_in(parent, limits);
-            become(program, argv, ends[1], voice[1], passed, passed_count, report[1]);
+            prepare_child(parent, limits);
+            become(program, argv, ends[1], output[1], passed, passed_count, report[1]);
         }
-        ok = adopt(child, pid, ends, voice[0], limits, err);
+        ok = adopt(child, pid, ends, output[0], limits, err);
     }
-    if (!ok) (void)close(voice[0]);
-    (void)close(voice[1]);
+    if (!ok) (void)close(output[0]);
+    (void)close(output[1]);
     (void)close(report[1]);
     /* The pipe closes without a word where exec succeeds. */
     if (ok && read(report[0], &reason, sizeof reason) == (ssize_t)sizeof reason) {
@@ -251,7 +251,7 @@ static bool has_ended(hs_child *child, int options) {
     const pid_t got = waitpid(child->pid, &status, options);
     if (got == 0 || (got < 0 && errno == EINTR)) return false;
     end_leftovers(child->pid);
-    listen_to(child); /* its last words */
+    show_output(child); /* its last words */
     child->pid = 0;
     const bool killed = got < 0 || (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
     if (killed && child->end.fate != HS_CHILD_RUNS) return true;
@@ -277,7 +277,7 @@ static uint64_t own_memory(pid_t pid) {
 
 /* True if the child has ended, or has been ended for its memory. */
 static bool look(hs_child *child) {
-    listen_to(child);
+    show_output(child);
     if (has_ended(child, WNOHANG)) return true;
     const uint64_t limit = child->limits.memory_bytes;
     if (limit == 0 || own_memory(child->pid) <= limit) return false;
@@ -297,7 +297,7 @@ static bool has_message(const hs_child *child) {
 }
 
 /* After the other end of the channel was closed: the child is about to end, or is ended. */
-static void see_off(hs_child *child) {
+static void wait_or_kill(hs_child *child) {
     for (int pause_ms = 1; pause_ms < 200; pause_ms *= 2) {
         if (has_ended(child, WNOHANG)) return;
         (void)poll(NULL, 0, pause_ms);
@@ -309,13 +309,13 @@ hs_child_news hs_child_wait(hs_child *child, double seconds) {
     const double until = hs_now() + seconds;
     while (child->pid) {
         struct pollfd ends[] = {{.fd = child->channel, .events = POLLIN},
-                                {.fd = child->voice, .events = POLLIN}};
+                                {.fd = child->output, .events = POLLIN}};
         (void)poll(ends, 2, slice_ms(until - hs_now()));
         if (ends[0].revents) {
             const bool message = has_message(child);
-            listen_to(child);
+            show_output(child);
             if (message) return HS_CHILD_MESSAGE;
-            see_off(child);
+            wait_or_kill(child);
         } else if (!look(child) && hs_now() >= until) {
             return HS_CHILD_NOTHING;
         }
@@ -352,7 +352,7 @@ void hs_child_close(hs_child *child) {
     if (child->pid) hs_child_kill(child, HS_CHILD_GONE, 0);
     if (child->end.fate != HS_CHILD_RUNS) { /* else there never was one */
         (void)close(child->channel);
-        if (child->voice >= 0) (void)close(child->voice);
+        if (child->output >= 0) (void)close(child->output);
     }
     *child = (hs_child){0};
 }

@@ -48,7 +48,7 @@ typedef struct {
 typedef struct {
     pid_t pid;   /* 0: none, or it ended */
     int channel; /* the parent's end; valid while there is a child and until hs_child_close */
-    int voice;   /* what it prints comes out here; -1: nothing more */
+    int output;  /* what it prints comes out here; -1: nothing more */
     uint64_t said;
     hs_child_limits limits;
     hs_child_end end;

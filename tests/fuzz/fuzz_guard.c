@@ -112,7 +112,7 @@ bool hs_child_exec(hs_child *child, const hs_child_limits *limits, const char *p
     void *at = mmap(NULL, shared_bytes(), PROT_READ | PROT_WRITE, MAP_SHARED, passed[0], 0);
     if (at == MAP_FAILED) abort();
     shared = at;
-    *child = (hs_child){.pid = 1, .channel = -1, .voice = -1};
+    *child = (hs_child){.pid = 1, .channel = -1, .output = -1};
     return true;
 }
 
