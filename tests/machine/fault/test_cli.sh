@@ -242,7 +242,7 @@ expect 2 "'plate' is not one of mean, minimum, spline, wall" list --set method=p
 expect 0 "" list
 holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 4 ]
 expect 0 "" list --all
-holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 23 ]
+holds [ "$(grep -v '^  vendor' stdout | grep -cE '^  [a-z_]+ +[A-Z]')" -eq 22 ]
 unset OCL_ICD_VENDORS
 expect 0 "" "${good[@]}" --json "$work/result.json"
 holds grep -q '"volumes_per_second"' result.json
