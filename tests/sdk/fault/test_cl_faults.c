@@ -1,13 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Every OpenCL call of the plugin fails once (SQLite's doctrine: the nth call, for every n): during activate,
- * and during a frame in every work layout and with every carrier. Each time an error with the call's reason,
- * nothing left behind, and the next activation or frame works.
+ * and during a frame, in every work layout, with every carrier and by every method; and so do its
+ * allocations, but under AddressSanitizer, which owns the heap (spy/heap_spy.h). Each time an error with the
+ * call's reason, nothing left behind, and the next activation or frame works.
  */
+#include "programs/shared_programs.h"
 #include "support/compare.h"
 #include "support/fixture.h"
+#include "support/surfaces.h"
 #include "support/unit.h"
 #include "validate/spy/cl_spy.h"
+#include "validate/spy/heap_spy.h"
+
+#include <math.h>
 
 static const cl_int CODE = CL_OUT_OF_HOST_MEMORY;
 static const char NAME[] = "CL_OUT_OF_HOST_MEMORY (-6)";
@@ -15,6 +21,30 @@ static const char NAME[] = "CL_OUT_OF_HOST_MEMORY (-6)";
 static rig_format with_strategy(const fixture *f, rig_format how, uint32_t strategy) {
     how.fixed[0] = (sv_param_value){rig_param(&f->r, "strategy"), 0, strategy};
     return how;
+}
+
+/* A method; the mean filter behind the pre-filter. */
+static void choose(fixture *f, int method, uint32_t strategy) {
+    rig_format how = with_strategy(f, (rig_format){0}, strategy);
+    how.fixed[1] = (sv_param_value){rig_param(&f->r, "method"), 0, method};
+    how.fixed[2] = (sv_param_value){rig_param(&f->r, "prefilter"), 0, method == SV_METHOD_MEAN};
+    fixture_change(f, how);
+}
+
+/* The good frame is that of the method, by which nothing has failed yet. */
+static void learn(fixture *f) {
+    assert_int_equal(fixture_activate(f), SV_OK);
+    for (int i = 0; i < FIXTURE_RAYS; i++) f->out.depth[i] = NAN;
+    assert_int_equal(fixture_begin(f), SV_OK);
+    assert_int_equal(fixture_slabs(f), SV_OK);
+    assert_int_equal(fixture_end(f), SV_OK);
+    assert_int_equal(f->out.stats.outcome, SV_OK);
+    assert_int_equal(f->out.stats.unfilled, 0);
+    for (int i = 0; i < FIXTURE_RAYS; i++) assert_true(isfinite(f->out.depth[i]));
+    memcpy(f->good.depth, f->out.depth, FIXTURE_RAYS * sizeof(float));
+    memcpy(f->good.status, f->out.status, FIXTURE_RAYS);
+    f->good.stats.points = f->out.stats.points;
+    f->r.plugin->deactivate(f->r.plugin);
 }
 
 /* The failure of a search for devices is no error if another search finds one. */
@@ -49,31 +79,31 @@ static bool activate_failing(fixture *f, uint32_t n) {
     return fails;
 }
 
-/* `every`: 1 for each call. */
-static uint32_t fail_activations(fixture *f, rig_format how, uint32_t first, uint32_t every) {
-    fixture_change(f, how);
+/* `every`: 1 for each call. `thin`: further and further apart, for most calls are of kernels, which are
+ * alike. */
+static uint32_t fail_activations(fixture *f, uint32_t first, uint32_t every, bool thin) {
     uint32_t n = first;
-    while (activate_failing(f, n)) n += every;
+    while (activate_failing(f, n)) n += every + (thin ? n / 16 : 0);
     assert_int_equal(fixture_activate(f), SV_OK);
     fixture_frame_is_good(f);
     f->r.plugin->deactivate(f->r.plugin);
     return n;
 }
 
-static void activate_own_queue(void **state) {
+static void activations(void **state) {
+    static const struct {
+        rig_format way;
+        uint32_t strategy, first, every;
+    } table[] = {{{.own_queue = true}, 1, 1, 1},
+                 /* The others differ in the self-test's frame and in buffers. */
+                 {{.carrier = SV_CARRIER_BUFFER}, 3, 1, 7},
+                 {{.in_place = true}, 2, 4, 7}};
     fixture *f = *state;
     spy_watch(f->r.entry);
-    const uint32_t n = fail_activations(f, with_strategy(f, (rig_format){.own_queue = true}, 1), 1, 1);
-    print_message("every call of %u failed once\n", n - 1);
-    assert_true(n > 100);
-}
-
-/* The other layouts differ in the self-test's frame and in buffers: the calls in front are those of above. */
-static void activate_host_queue(void **state) {
-    fixture *f = *state;
-    spy_watch(f->r.entry);
-    (void)fail_activations(f, with_strategy(f, (rig_format){.carrier = SV_CARRIER_BUFFER}, 3), 1, 7);
-    (void)fail_activations(f, with_strategy(f, (rig_format){.in_place = true}, 2), 4, 7);
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        fixture_change(f, with_strategy(f, table[i].way, table[i].strategy));
+        assert_true(fail_activations(f, table[i].first, table[i].every, false) > 100);
+    }
 }
 
 /* On wide maps a failing kernel set of wide vectors costs only speed: then activate succeeds with 16 rays a
@@ -128,9 +158,8 @@ static sv_status expected_status(const char *failed) {
     return SV_ERR_OPENCL;
 }
 
-static uint32_t fail_steps(fixture *f, step run, const sv_result *result) {
-    uint32_t n = 1;
-    for (;; n++) {
+static uint32_t fail_steps(fixture *f, step run, const sv_result *result, bool thin) {
+    for (uint32_t n = 1;; n += 1 + (thin ? n / 8 : 0)) {
         spy_reset();
         spy_fail(n, CODE);
         const sv_status status = run(f, result);
@@ -168,8 +197,9 @@ static void frames(void **state) {
             fixture_use(f, with_strategy(f, ways[n], strategy));
             const int32_t live = spy_live();
             const sv_result result = fixture_result(f);
-            calls += fail_steps(f, whole_frame, &result);
-            calls += fail_steps(f, one_adjust, &result); /* the finished frame survives failing adjusts */
+            calls += fail_steps(f, whole_frame, &result, false);
+            calls +=
+                fail_steps(f, one_adjust, &result, false); /* the finished frame survives failing adjusts */
             assert_int_equal(spy_live(), live);
             f->r.plugin->deactivate(f->r.plugin);
             assert_int_equal(spy_live(), 0);
@@ -218,9 +248,9 @@ static void outputs_and_timing(void **state) {
         fixture_use(f, (rig_format){0});
         assert_int_equal(stats->enable(p, timed), SV_OK);
         sv_result result = {.size = sizeof result, .depth_object = buffer, .stats = &f->out.stats};
-        (void)fail_steps(f, whole_frame, &result);
+        (void)fail_steps(f, whole_frame, &result, false);
         result = (sv_result){.size = sizeof result, .depth = rows, .depth_pitch = 256};
-        (void)fail_steps(f, whole_frame, &result);
+        (void)fail_steps(f, whole_frame, &result, false);
         spy_fail(1, CODE);
         assert_int_equal(whole_frame(f, &result), SV_ERR_OPENCL);
         sv_stage_times times = {.size = sizeof times};
@@ -252,6 +282,112 @@ static void stage_times_of_a_failing_query(void **state) {
     assert_int_equal(stats->stage_times(p, &times), SV_OK);
 }
 
-UNIT_MAIN(NULL, NULL, FIXTURE_TEST(activate_own_queue), FIXTURE_TEST(activate_host_queue),
-          FIXTURE_TEST(activate_with_wide_vectors), FIXTURE_TEST(frames), FIXTURE_TEST(a_lost_device),
-          FIXTURE_TEST(outputs_and_timing), FIXTURE_TEST(stage_times_of_a_failing_query))
+/* ---- methods ---- */
+
+static void methods(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    for (int method = surface_next(-1); method >= 0; method = surface_next(method)) {
+        choose(f, method, 1);
+        learn(f);
+        assert_true(fail_activations(f, 1, 3, true) > 100);
+        choose(f, method, 2);
+        learn(f);
+        assert_int_equal(fixture_activate(f), SV_OK);
+        const sv_result result = fixture_result(f);
+        (void)fail_steps(f, whole_frame, &result, true);
+        f->r.plugin->deactivate(f->r.plugin);
+        assert_int_equal(spy_live(), 0);
+    }
+}
+
+/* A device whose answer to the self-test is wrong: whichever of the maps it is, the
+ * method is not activated. */
+static void wrong_answers_are_noticed(void **state) {
+    fixture *f = *state;
+    spy_watch(f->r.entry);
+    for (int method = surface_next(-1); method >= 0; method = surface_next(method)) {
+        choose(f, method, 1);
+        uint32_t n = 1;
+        for (;; n++) {
+            spy_reset();
+            spy_spoil(n);
+            const sv_status status = fixture_activate(f);
+            if (!spy_spoiled()) break;
+            if (status != SV_ERR_SELF_TEST) fail_msg("method %d, read %u: status %d", method, n, status);
+            assert_int_equal(spy_live(), 0);
+        }
+        f->r.plugin->deactivate(f->r.plugin);
+        /* depth and status, of the frame's own self-test (method wall has none) and of the method's */
+        assert_int_equal(n - 1, method == SV_METHOD_WALL ? 2 : 4);
+    }
+}
+
+/* ---- memory ---- */
+
+static void allocations(void **state) {
+    fixture *f = *state;
+    if (!heap_spy_works()) skip();
+    spy_watch(f->r.entry);
+    heap_spy_watch(f->r.entry);
+    for (int method = surface_next(-1); method >= 0; method = surface_next(method)) {
+        choose(f, method, 1);
+        for (uint32_t n = 1;; n++) {
+            heap_spy_reset();
+            heap_spy_fail(n);
+            const sv_status status = fixture_activate(f);
+            const bool failed = heap_spy_failed();
+            heap_spy_fail(0);
+            if (status == SV_OK) f->r.plugin->deactivate(f->r.plugin);
+            if (!failed) break;
+            fixture_refused(f, status, SV_ERR_NO_MEMORY, "no memory for ");
+            assert_int_equal(fixture_begin(f), SV_ERR_STATE);
+            assert_int_equal(spy_live(), 0);
+            assert_int_equal(heap_spy_live(), 0);
+        }
+    }
+}
+
+static void create(void **state) {
+    fixture *f = *state;
+    if (!heap_spy_works()) skip();
+    const sv_entry *entry = f->r.entry;
+    heap_spy_watch(entry);
+    const sv_plugin *out = f->r.plugin;
+    for (uint32_t n = 1; n <= 3; n++) { /* the instance, its values, what is its own */
+        heap_spy_fail(n);
+        assert_int_equal(entry->create(&f->r.host, entry->descriptor(0)->id, &out), SV_ERR_NO_MEMORY);
+        assert_true(heap_spy_failed());
+        assert_null(out);
+        assert_int_equal(heap_spy_live(), 0);
+        assert_non_null(strstr(f->r.last_log, "create: no memory for an instance"));
+    }
+    assert_int_equal(entry->create(&f->r.host, entry->descriptor(0)->id, &out), SV_OK);
+    assert_int_equal(heap_spy_live(), 3);
+    out->destroy(out);
+    assert_int_equal(heap_spy_live(), 0);
+}
+
+/* Without memory for the build log the error is still that of the build. */
+static void build_log(void **state) {
+    fixture *f = *state;
+    if (!heap_spy_works()) skip();
+    spy_watch(f->r.entry);
+    heap_spy_watch(f->r.entry);
+    shared_programs_options("-D__kernel=banana");
+    heap_spy_fail(2); /* the first one is for timing events */
+    const sv_status status = fixture_activate(f);
+    assert_true(heap_spy_failed());
+    shared_programs_options(NULL);
+    fixture_refused(f, status, SV_ERR_BUILD, "the kernels do not build: CL_BUILD_PROGRAM_FAILURE (-11)");
+    assert_int_equal(spy_live(), 0);
+    assert_int_equal(heap_spy_live(), 0);
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
+}
+
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(activations), FIXTURE_TEST(activate_with_wide_vectors),
+          FIXTURE_TEST(frames), FIXTURE_TEST(a_lost_device), FIXTURE_TEST(outputs_and_timing),
+          FIXTURE_TEST(stage_times_of_a_failing_query), FIXTURE_TEST(methods),
+          FIXTURE_TEST(wrong_answers_are_noticed), FIXTURE_TEST(allocations), FIXTURE_TEST(create),
+          FIXTURE_TEST(build_log))
