@@ -56,6 +56,8 @@ static void perform(const job *j) {
     v_random_begin(&run, j->check->id);
     if (!setjmp(run.escape)) {
         j->check->run(&run);
+        v_rig_close(run.rig);
+        v_memory_end();
         v_where(&run, "the end of the check");
     }
     j->report->finished = true;

@@ -39,26 +39,24 @@ static void refuse(v_subject *s, const char *what, const sv_host *host, const ch
 }
 
 void check_create_refusals(v_run *run) {
-    v_subject s;
     char longer[300];
-    v_open(run, &s);
-    const char *id = s.descriptor->id;
+    v_subject *s = &v_rig_open(run)->s;
+    const char *id = s->descriptor->id;
     (void)snprintf(longer, sizeof longer, "%s.more", id);
-    refuse(&s, "an unknown id", &s.host.api, "org.smartvis.validator.nobody", SV_ERR_UNKNOWN_ID);
-    refuse(&s, "an empty id", &s.host.api, "", SV_ERR_UNKNOWN_ID);
-    refuse(&s, "its id and more", &s.host.api, longer, SV_ERR_UNKNOWN_ID);
+    refuse(s, "an unknown id", &s->host.api, "org.smartvis.validator.nobody", SV_ERR_UNKNOWN_ID);
+    refuse(s, "an empty id", &s->host.api, "", SV_ERR_UNKNOWN_ID);
+    refuse(s, "its id and more", &s->host.api, longer, SV_ERR_UNKNOWN_ID);
     longer[strlen(id) > 1 ? strlen(id) - 1 : 0] = '\0';
-    refuse(&s, "its id cut short", &s.host.api, longer, SV_ERR_UNKNOWN_ID);
-    refuse(&s, "a host that is NULL", NULL, id, SV_ERR_ARGUMENT);
-    refuse(&s, "an id that is NULL", &s.host.api, NULL, SV_ERR_ARGUMENT);
+    refuse(s, "its id cut short", &s->host.api, longer, SV_ERR_UNKNOWN_ID);
+    refuse(s, "a host that is NULL", NULL, id, SV_ERR_ARGUMENT);
+    refuse(s, "an id that is NULL", &s->host.api, NULL, SV_ERR_ARGUMENT);
     v_where(run, "create with out NULL");
-    const sv_status status = s.entry->create(&s.host.api, id, NULL);
+    const sv_status status = s->entry->create(&s->host.api, id, NULL);
     V_EXPECT(run, status == SV_ERR_ARGUMENT, "create with out NULL: %s, expected SV_ERR_ARGUMENT",
              v_status(status));
-    sv_host old = s.host.api;
+    sv_host old = s->host.api;
     old.size = 8;
-    refuse(&s, "a host of 8 bytes", &old, id, SV_ERR_SIZE);
-    v_close(&s);
+    refuse(s, "a host of 8 bytes", &old, id, SV_ERR_SIZE);
 }
 
 void check_create_without_opencl(v_run *run) {
@@ -83,24 +81,22 @@ static const void *ask(v_subject *s, const char *id) {
 }
 
 void check_extensions(v_run *run) {
-    v_subject s;
     char id[300];
-    v_open(run, &s);
-    V_EXPECT(run, !ask(&s, "smartvis.validator.no-such-thing/1"),
+    v_subject *s = &v_rig_open(run)->s;
+    V_EXPECT(run, !ask(s, "smartvis.validator.no-such-thing/1"),
              "get_extension knows an id that nobody made up");
-    V_EXPECT(run, !ask(&s, ""), "get_extension knows the empty id");
-    for (uint32_t i = 0; s.descriptor->extensions[i]; i++) {
-        const char *known = s.descriptor->extensions[i];
-        const void *table = ask(&s, known);
-        V_EXPECT(run, table == ask(&s, known), "get_extension(\"%s\") gives another table every time", known);
+    V_EXPECT(run, !ask(s, ""), "get_extension knows the empty id");
+    for (uint32_t i = 0; s->descriptor->extensions[i]; i++) {
+        const char *known = s->descriptor->extensions[i];
+        const void *table = ask(s, known);
+        V_EXPECT(run, table == ask(s, known), "get_extension(\"%s\") gives another table every time", known);
         (void)snprintf(id, sizeof id, "%s0", known);
-        V_EXPECT(run, !ask(&s, id), "get_extension knows \"%s\", of another revision than it announces", id);
+        V_EXPECT(run, !ask(s, id), "get_extension knows \"%s\", of another revision than it announces", id);
         uint32_t size = 0;
         if (table) memcpy(&size, table, sizeof size);
         V_EXPECT(run, !table || (size >= 8 && size <= 65536), "the table of \"%s\" has the size %u", known,
                  size);
     }
-    v_close(&s);
 }
 
 /* ---- the host */
@@ -111,7 +107,6 @@ static void provoke(v_rig *r) {
     const sv_plugin *p = r->s.plugin;
     const stage_way way = v_standard_way(&r->s);
     const sv_param_value unknown = {.id = 0xfffffff0u};
-    v_map map;
     v_where(r->s.run, "calls in the wrong state");
     (void)p->activate(p, NULL);
     p->deactivate(p);
@@ -119,8 +114,7 @@ static void provoke(v_rig *r) {
     (void)v_begin(p, &r->stage, &unknown, 1);
     (void)v_slab(p, &r->stage, 0);
     (void)v_end(p, &r->stage);
-    v_frame(&r->s, p, &r->stage, NULL, 0, &map);
-    v_map_free(&map);
+    (void)v_rig_frame(r, NULL, 0);
     (void)v_adjust(p, &r->stage, NULL, 0);
     v_where(r->s.run, "param_text of an unknown id");
     char text[32];
@@ -128,26 +122,20 @@ static void provoke(v_rig *r) {
 }
 
 void check_bare_host(v_run *run) {
-    v_rig r;
-    memset(&r, 0, sizeof r);
-    v_open_bare(run, &r.s);
-    provoke(&r);
-    v_rig_close(&r);
+    provoke(v_rig_open_bare(run));
 }
 
 void check_host_callbacks(v_run *run) {
-    v_rig r;
-    v_rig_open(run, &r);
-    const sv_host before = r.s.host.api;
-    provoke(&r);
-    V_EXPECT(run, !r.s.host.fault[0], "%s", r.s.host.fault);
-    V_EXPECT(run, memcmp(&before, &r.s.host.api, sizeof before) == 0, "the plugin writes into sv_host");
-    V_EXPECT(run, r.s.host.bytes <= MAX_LOGGED, "%u lines and %" PRIu64 " bytes went to the log in few calls",
-             r.s.host.lines, r.s.host.bytes);
-    if (r.s.host.lines == 0) v_warn(run, "calls were refused, and no line went to the host's log");
-    if (!rule_is_text(r.s.host.line, sizeof r.s.host.line))
+    v_rig *r = v_rig_open(run);
+    const sv_host before = r->s.host.api;
+    provoke(r);
+    V_EXPECT(run, !r->s.host.fault[0], "%s", r->s.host.fault);
+    V_EXPECT(run, memcmp(&before, &r->s.host.api, sizeof before) == 0, "the plugin writes into sv_host");
+    V_EXPECT(run, r->s.host.bytes <= MAX_LOGGED,
+             "%u lines and %" PRIu64 " bytes went to the log in few calls", r->s.host.lines, r->s.host.bytes);
+    if (r->s.host.lines == 0) v_warn(run, "calls were refused, and no line went to the host's log");
+    if (!rule_is_text(r->s.host.line, sizeof r->s.host.line))
         v_warn(run, "a line of the log has control characters or is no UTF-8");
-    v_rig_close(&r);
 }
 
 /* ---- the process */
@@ -181,7 +169,6 @@ static void read_process_state(process_state *w) {
 void check_process_untouched(v_run *run) {
     process_state before, after;
     struct stat said = {0};
-    v_rig r;
     /* Standard output goes to memory meanwhile. */
     (void)fflush(stdout);
     const int output = dup(STDOUT_FILENO), memory = memfd_create("output", 0);
@@ -189,10 +176,10 @@ void check_process_untouched(v_run *run) {
     read_process_state(&before);
     run->watch = v_watch_begin();
     V_EXPECT(run, run->watch, "no memory for a file: the check could not be made");
-    v_rig_open(run, &r);
-    provoke(&r);
-    const int signal_number = handled_signal(library_range_of(r.s.entry));
-    v_rig_close(&r);
+    v_rig *r = v_rig_open(run);
+    provoke(r);
+    const int signal_number = handled_signal(library_range_of(r->s.entry));
+    v_rig_close(r);
     v_where(run, "the check itself");
     run->watch = NULL;
     read_process_state(&after);

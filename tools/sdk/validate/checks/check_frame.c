@@ -6,36 +6,25 @@
 #include "smartvis/confidence.h"
 
 void check_first_frame(v_run *run) {
-    v_rig r;
-    v_map map;
-    v_rig_standard(run, &r);
-    for (int i = 0; i < 3; i++) {
-        v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
-        v_map_free(&map);
-    }
-    v_rig_close(&r);
+    v_rig *r = v_rig_standard(run);
+    for (int i = 0; i < 3; i++) (void)v_rig_frame(r, NULL, 0);
 }
 
 /* A frame of a volume of this kind, from activation to deactivation. */
-static void frame_of(v_rig *r, const stage_way *way, v_kind kind, v_map *map) {
+static v_map frame_of(v_rig *r, const stage_way *way, v_kind kind) {
     v_rig_set(r, way, kind);
-    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, map);
+    return v_rig_frame(r, NULL, 0);
 }
 
 void check_depth_values(v_run *run) {
-    v_rig r;
-    v_rig_open(run, &r);
-    const stage_way way = v_standard_way(&r.s);
+    v_rig *r = v_rig_open(run);
+    const stage_way way = v_standard_way(&r->s);
     for (int kind = 0; kind < V_KINDS; kind++) {
-        v_map map;
         char what[64];
         (void)snprintf(what, sizeof what, "a %s volume", v_kind_name((v_kind)kind));
-        frame_of(&r, &way, (v_kind)kind, &map);
+        const v_map map = frame_of(r, &way, (v_kind)kind);
         v_map_judge_depths(run, &map, way.slices, what);
-        v_map_free(&map);
-        v_rig_drop(&r);
     }
-    v_rig_close(&r);
 }
 
 /* ---- outcome and statistics */
@@ -46,46 +35,36 @@ static rule_map judged_map(const v_map *map, const stage_way *way) {
 
 void check_frame_outcome(v_run *run) {
     const rule_sink to = v_sink(run);
-    v_rig r;
-    v_rig_open(run, &r);
-    const stage_way way = v_standard_way(&r.s);
+    v_rig *r = v_rig_open(run);
+    const stage_way way = v_standard_way(&r->s);
     for (int kind = 0; kind < V_KINDS; kind++) {
-        const sv_plugin *p = r.s.plugin;
-        v_map map;
-        v_rig_set(&r, &way, (v_kind)kind);
-        sv_status status = v_begin(p, &r.stage, NULL, 0);
+        const sv_plugin *p = r->s.plugin;
+        v_rig_set(r, &way, (v_kind)kind);
+        sv_status status = v_begin(p, &r->stage, NULL, 0);
         V_EXPECT(run, status == SV_OK, "begin: %s, expected SV_OK", v_status(status));
-        for (uint32_t n = 0; n < r.stage.slab_count; n++) {
-            status = v_slab(p, &r.stage, n);
+        for (uint32_t n = 0; n < r->stage.slab_count; n++) {
+            status = v_slab(p, &r->stage, n);
             V_EXPECT(run, status == SV_OK, "slab %u: %s, expected SV_OK", n, v_status(status));
         }
-        status = v_end(p, &r.stage);
+        status = v_end(p, &r->stage);
         V_EXPECT(run, hs_status_is_known(status), "end: %s", v_status(status));
         V_EXPECT(run, status >= 0, "end of a %s volume: %s: %s", v_kind_name((v_kind)kind), v_status(status),
                  p->last_error(p));
-        v_collect(&r.stage, status, &map);
+        const v_map map = v_collect(&r->stage, status);
         const rule_map judged = judged_map(&map, &way);
         judge_outcome(&to, &judged, v_kind_name((v_kind)kind));
-        v_map_free(&map);
-        v_rig_drop(&r);
     }
-    v_rig_close(&r);
 }
 
 void check_frame_statistics(v_run *run) {
     const rule_sink to = v_sink(run);
-    v_rig r;
-    v_rig_open(run, &r);
-    const stage_way way = v_standard_way(&r.s);
+    v_rig *r = v_rig_open(run);
+    const stage_way way = v_standard_way(&r->s);
     for (int kind = 0; kind < V_KINDS; kind++) {
-        v_map map;
-        frame_of(&r, &way, (v_kind)kind, &map);
+        const v_map map = frame_of(r, &way, (v_kind)kind);
         const rule_map judged = judged_map(&map, &way);
         judge_statistics(&to, &judged);
-        v_map_free(&map);
-        v_rig_drop(&r);
     }
-    v_rig_close(&r);
 }
 
 /* ---- where results are written */
@@ -104,37 +83,32 @@ static void try_bands(v_rig *r, uint8_t byte, bool all) {
     v_where(run, "end with guard bands");
     if (status >= 0) status = p->end(p, &result);
     V_EXPECT(run, status >= 0, "%s: %s: %s", run->report->where, v_status(status), p->last_error(p));
-    v_map map;
-    v_collect(st, status, &map);
+    const v_map map = v_collect(st, status);
     const char *place = stage_trespass(st, byte);
     V_EXPECT(run, !place, "end writes %s", place);
     v_map_judge_depths(run, &map, st->format.slices,
                        st->way.pitch ? "with a depth_pitch" : "without a depth_pitch");
     for (uint32_t i = 0; !all && i < map.width * map.height; i++)
         V_EXPECT(run, map.status[i] == byte, "end writes a status map where none was asked for");
-    v_map_free(&map);
 }
 
 void check_guard_bands(v_run *run) {
-    v_rig r;
-    v_rig_open(run, &r);
-    stage_way way = v_standard_way(&r.s);
+    v_rig *r = v_rig_open(run);
+    stage_way way = v_standard_way(&r->s);
     for (uint32_t pitch = 0; pitch <= 7; pitch += 7) {
         way.pitch = pitch;
-        v_rig_set(&r, &way, V_LAYERS);
-        try_bands(&r, 0xff, true);
-        try_bands(&r, 0xfe, true);
-        try_bands(&r, 0xff, false);
-        v_rig_drop(&r);
+        v_rig_set(r, &way, V_LAYERS);
+        try_bands(r, 0xff, true);
+        try_bands(r, 0xfe, true);
+        try_bands(r, 0xff, false);
     }
-    way = v_standard_way(&r.s);
+    way = v_standard_way(&r->s);
     way.depth_object = !way.own_queue;
     if (way.depth_object) {
-        v_rig_set(&r, &way, V_LAYERS);
-        try_bands(&r, 0xff, true);
-        try_bands(&r, 0xfe, true);
+        v_rig_set(r, &way, V_LAYERS);
+        try_bands(r, 0xff, true);
+        try_bands(r, 0xfe, true);
     }
-    v_rig_close(&r);
 }
 
 /* ---- shapes and contents */
@@ -143,40 +117,29 @@ void check_frame_shapes(v_run *run) {
         uint32_t width, height, slices, longest, tiles;
     } shapes[] = {{1, 1, 1, 1, 1},   {1, 1, 9, 4, 2},  {17, 1, 6, 6, 3},  {1, 13, 6, 2, 1},   {3, 2, 1, 1, 1},
                   {33, 31, 2, 1, 1}, {65, 5, 3, 3, 5}, {2, 63, 17, 5, 2}, {128, 3, 40, 40, 7}};
-    v_rig r;
-    v_rig_open(run, &r);
+    v_rig *r = v_rig_open(run);
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
-        stage_way way = v_sized(v_standard_way(&r.s), shapes[i].width, shapes[i].height, shapes[i].slices);
-        v_map map;
+        stage_way way = v_sized(v_standard_way(&r->s), shapes[i].width, shapes[i].height, shapes[i].slices);
         char what[64];
         way.longest = shapes[i].longest;
         way.tiles_x = shapes[i].tiles;
         if (i % 2) way.extra_w = way.extra_h = way.extra_pitch = 0;
         (void)snprintf(what, sizeof what, "%u x %u x %u", way.width, way.height, way.slices);
-        frame_of(&r, &way, V_LAYERS, &map);
+        const v_map map = frame_of(r, &way, V_LAYERS);
         v_map_judge_depths(run, &map, way.slices, what);
-        v_map_free(&map);
-        v_rig_drop(&r);
     }
-    v_rig_close(&r);
 }
 
 void check_frame_contents(v_run *run) {
-    v_rig r;
-    v_map map;
-    v_rig_standard(run, &r);
+    v_rig *r = v_rig_standard(run);
     for (uint32_t turn = 0; turn < V_KINDS + run->level; turn++) {
         const v_kind kind = turn < V_KINDS ? (v_kind)turn : V_NOISE;
-        v_volume_free(&r.volume);
-        v_volume_make(run, &r.volume, kind, r.stage.format.width, r.stage.format.height,
-                      r.stage.format.slices);
-        if (turn % 2) v_volume_narrow(&r.volume);
-        v_stage_fill(&r.stage, &r.volume);
+        v_rig_fill(r, kind);
+        if (turn % 2) v_volume_narrow(&r->volume);
+        if (turn % 2) v_stage_fill(&r->stage, &r->volume);
         v_where(run, "a frame of a %s volume", v_kind_name(kind));
-        v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
-        v_map_free(&map);
+        (void)v_rig_frame(r, NULL, 0);
     }
-    v_rig_close(&r);
 }
 
 /* ---- confidence */
@@ -218,12 +181,8 @@ static void try_confidence(v_rig *r, const sv_ext_confidence *ext, v_kind kind) 
     const size_t rays = (size_t)r->stage.format.width * r->stage.format.height;
     float *room = v_memory(run, (rays + 2 * GUARD) * sizeof *room), *map = room + GUARD;
     float *read = v_memory(run, rays * sizeof *read);
-    v_map frame;
-    v_volume_free(&r->volume);
-    v_volume_make(run, &r->volume, kind, r->stage.format.width, r->stage.format.height,
-                  r->stage.format.slices);
-    v_stage_fill(&r->stage, &r->volume);
-    v_frame(&r->s, p, &r->stage, NULL, 0, &frame);
+    v_rig_fill(r, kind);
+    const v_map frame = v_rig_frame(r, NULL, 0);
     for (size_t i = 0; i < rays + 2 * GUARD; i++) room[i] = -7.0f;
     v_where(run, "confidence write");
     sv_status status = ext->write(p, map, NULL, 0);
@@ -240,24 +199,21 @@ static void try_confidence(v_rig *r, const sv_ext_confidence *ext, v_kind kind) 
     for (size_t i = 0; i < rays; i++)
         V_EXPECT(run, frame.outcome != SV_NO_SURFACE || map[i] == 0.0f,
                  "the outcome is SV_NO_SURFACE, and a confidence is %g", (double)map[i]);
-    v_map_free(&frame);
 }
 
 void check_confidence(v_run *run) {
     static v_params params;
-    v_rig r;
     float one = 0.0f;
-    v_rig_standard(run, &r);
-    v_params_read(&r.s, &params);
-    const sv_ext_confidence *ext = confidence_of(&r);
-    if (!find_offer(&r, ext, &params)) v_skip(run, "no method of the plugin gives a confidence");
-    const sv_plugin *p = r.s.plugin;
+    v_rig *r = v_rig_standard(run);
+    v_params_read(&r->s, &params);
+    const sv_ext_confidence *ext = confidence_of(r);
+    if (!find_offer(r, ext, &params)) v_skip(run, "no method of the plugin gives a confidence");
+    const sv_plugin *p = r->s.plugin;
     v_where(run, "confidence before the first frame");
     V_EXPECT(run, ext->write(p, &one, NULL, 0) == SV_ERR_STATE && ext->read(p, &one, NULL) == SV_ERR_STATE,
              "a confidence is given before the first frame");
-    try_confidence(&r, ext, V_LAYERS);
+    try_confidence(r, ext, V_LAYERS);
     V_EXPECT(run, ext->write(p, NULL, NULL, 0) < 0, "confidence write into nothing succeeds");
-    try_confidence(&r, ext, V_NOISE);
-    try_confidence(&r, ext, V_BLACK);
-    v_rig_close(&r);
+    try_confidence(r, ext, V_NOISE);
+    try_confidence(r, ext, V_BLACK);
 }

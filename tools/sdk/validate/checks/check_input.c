@@ -42,53 +42,39 @@ static void inputs_stay(v_rig *r) {
 
 /* In memory, and in every kind of object that the plugin takes: its queue can write there. */
 void check_inputs_unchanged(v_run *run) {
-    v_rig r;
-    v_rig_standard(run, &r);
-    inputs_stay(&r);
+    v_rig *r = v_rig_standard(run);
+    inputs_stay(r);
     for (uint32_t carrier = SV_CARRIER_BUFFER; carrier <= SV_CARRIER_IMAGE; carrier++) {
-        stage_way way = v_standard_way(&r.s);
-        if (way.own_queue || !(r.s.descriptor->carriers & SV_BIT(carrier))) continue;
+        stage_way way = v_standard_way(&r->s);
+        if (way.own_queue || !(r->s.descriptor->carriers & SV_BIT(carrier))) continue;
         way.carrier = carrier;
         way.ranges_in_buffer = way.ranges;
-        v_rig_again(&r, &way);
-        inputs_stay(&r);
+        v_rig_again(r, &way);
+        inputs_stay(r);
     }
-    v_rig_close(&r);
 }
 
 /* A frame of the volume handed over in another way gives the same map. */
 static void same_map(v_rig *r, const stage_way *way, const v_map *wanted, const char *what) {
-    v_map map;
     v_rig_again(r, way);
-    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &map);
-    v_map_expect(r->s.run, wanted, &map, "%s", what);
+    v_rig_expect(r, wanted, "%s", what);
 }
 
 void check_reads_within_slab(v_run *run) {
-    v_rig r;
-    v_map plain;
-    v_rig_standard(run, &r);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &plain);
-    stage_way way = v_standard_way(&r.s);
+    v_rig *r = v_rig_good(run);
+    stage_way way = v_standard_way(&r->s);
     way.exact = true;
-    same_map(&r, &way, &plain, "slabs that end where their bytes do give another map");
-    v_map_free(&plain);
-    v_rig_close(&r);
+    same_map(r, &way, &r->good, "slabs that end where their bytes do give another map");
 }
 
 void check_padding_ignored(v_run *run) {
     static const uint8_t hatches[] = {255, 128, 7};
-    v_rig r;
-    v_map plain;
-    v_rig_standard(run, &r);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &plain);
+    v_rig *r = v_rig_good(run);
     for (size_t i = 0; i < sizeof hatches / sizeof *hatches; i++) {
-        stage_way way = v_standard_way(&r.s);
+        stage_way way = v_standard_way(&r->s);
         way.hatch = hatches[i];
-        same_map(&r, &way, &plain, "bytes that belong to no slice show in the map");
+        same_map(r, &way, &r->good, "bytes that belong to no slice show in the map");
     }
-    v_map_free(&plain);
-    v_rig_close(&r);
 }
 
 /* ---- what was scanned */
@@ -107,96 +93,83 @@ static void refuse_ranges(v_rig *r) {
 }
 
 /* The frame of the rig's volume and ranges as they are now. */
-static void frame_now(v_rig *r, v_map *map) {
+static v_map frame_now(v_rig *r) {
     v_stage_fill(&r->stage, &r->volume);
-    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, map);
+    return v_rig_frame(r, NULL, 0);
 }
 
 static void outside_does_not_count(v_rig *r) {
     static const int values[] = {255, 128, -1};
-    v_map first, map;
     v_volume_narrow(&r->volume);
     v_volume_outside(r->s.run, &r->volume, 0);
-    frame_now(r, &first);
+    const v_map first = frame_now(r);
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
         v_volume_outside(r->s.run, &r->volume, values[i]);
-        frame_now(r, &map);
+        const v_map map = frame_now(r);
         v_map_expect(r->s.run, &first, &map, "voxels outside of the scanned ranges show in the map");
     }
-    v_map_free(&first);
 }
 
 void check_scanned_ranges(v_run *run) {
-    v_rig r;
-    v_map whole, map;
-    v_rig_open(run, &r);
-    if (!(r.s.descriptor->features & SV_FEATURE_SCANNED)) {
-        refuse_ranges(&r);
+    v_rig *r = v_rig_open(run);
+    if (!(r->s.descriptor->features & SV_FEATURE_SCANNED)) {
+        refuse_ranges(r);
         v_skip(run, "the descriptor has no SV_FEATURE_SCANNED; activate refuses ranges");
     }
-    stage_way way = v_standard_way(&r.s);
-    v_rig_set(&r, &way, V_LAYERS);
+    stage_way way = v_standard_way(&r->s);
+    v_rig_set(r, &way, V_LAYERS);
     const uint32_t rays = way.width * way.height;
-    frame_now(&r, &whole);
-    for (uint32_t i = 0; i < rays; i++) r.volume.ranges[i].end = UINT16_MAX;
-    frame_now(&r, &map);
+    const v_map whole = frame_now(r);
+    for (uint32_t i = 0; i < rays; i++) r->volume.ranges[i].end = UINT16_MAX;
+    v_map map = frame_now(r);
     v_map_expect(run, &whole, &map, "ranges that end beyond the volume are not cut off");
-    outside_does_not_count(&r);
-    for (uint32_t i = 0; i < rays; i++) r.volume.ranges[i] = (sv_scanned){20, 10};
-    frame_now(&r, &map);
+    outside_does_not_count(r);
+    for (uint32_t i = 0; i < rays; i++) r->volume.ranges[i] = (sv_scanned){20, 10};
+    map = frame_now(r);
     for (uint32_t i = 0; i < rays; i++)
         V_EXPECT(run, map.outcome == SV_NO_SURFACE || map.depth[i] == map.depth[i],
                  "nothing was scanned, and a depth is NaN");
-    v_map_free(&map);
-    v_map_free(&whole);
-    v_rig_close(&r);
 }
 
 void check_padding_value(v_run *run) {
     enum { VALUE = 3 }; /* darker than anything in the layered volume */
-    v_rig r;
-    v_map known, map;
-    v_rig_open(run, &r);
-    stage_way way = v_standard_way(&r.s);
-    const uint32_t features = r.s.descriptor->features;
+    v_rig *r = v_rig_open(run);
+    stage_way way = v_standard_way(&r->s);
+    const uint32_t features = r->s.descriptor->features;
     const bool heeds = (features & SV_FEATURE_PADDING) != 0, ranges = (features & SV_FEATURE_SCANNED) != 0;
-    v_rig_set(&r, &way, V_LAYERS);
-    v_volume_narrow(&r.volume);
-    v_volume_outside(run, &r.volume, VALUE);
-    frame_now(&r, &known); /* by ranges, if the plugin takes them */
+    v_rig_set(r, &way, V_LAYERS);
+    v_volume_narrow(&r->volume);
+    v_volume_outside(run, &r->volume, VALUE);
+    const v_map known = frame_now(r); /* by ranges, if the plugin takes them */
     way.padding = VALUE;
     way.ranges = false;
     if (!heeds || ranges) {
-        same_map(&r, &way, &known,
+        same_map(r, &way, &known,
                  heeds ? "padding_value and the same ranges give different maps"
                        : "padding_value counts, and the descriptor has no SV_FEATURE_PADDING");
     } else {
-        v_rig_again(&r, &way);
-        frame_now(&r, &map);
-        v_map_free(&map);
+        v_rig_again(r, &way);
+        (void)frame_now(r);
         v_note(run, "the plugin takes no ranges to compare padding_value with");
     }
-    v_map_free(&known);
-    v_rig_close(&r);
 }
 
 /* ---- the probe */
 #define STRAIGHT .probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .probe_side = {0, 0, -1}
 
 /* A frame that says this of the probe and its beams; NULL: nothing. */
-static void probe_frame(v_rig *r, const sv_frame *told, v_map *map) {
+static v_map probe_frame(v_rig *r, const sv_frame *told) {
     r->stage.told = told ? *told : (sv_frame){0};
     r->stage.frame_flags = told ? told->flags : SV_FRAME_DISCONTINUITY;
-    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, map);
+    return v_rig_frame(r, NULL, 0);
 }
 
 /* The frames of hosts of 1.0 end before the fields. */
 static void old_frame_says_nothing(v_rig *r, const v_map *plain) {
-    v_map map;
     sv_frame nothing = {.flags = SV_FRAME_DISCONTINUITY};
     memset(nothing.probe_rotation, 0xff, sizeof nothing - offsetof(sv_frame, probe_rotation));
     r->stage.frame_size = SV_FRAME_SIZE_1_0;
-    probe_frame(r, &nothing, &map);
+    const v_map map = probe_frame(r, &nothing);
     r->stage.frame_size = 0;
     v_map_expect(r->s.run, plain, &map, "what lies behind the sv_frame of a host of 1.0 counts");
 }
@@ -233,34 +206,27 @@ void check_probe(v_run *run) {
         {STRAIGHT, .beams = SV_BEAMS_PARALLEL, .reserved_beams = 1},
         {STRAIGHT, .beams = SV_BEAMS_FAN, .beam_apex_mm = {0, NAN, 0}},
         {STRAIGHT, .beams = SV_BEAMS_FAN, .beam_sweep_mm = INFINITY}};
-    v_rig r;
-    v_map plain, map;
-    v_rig_standard(run, &r);
-    const bool heeds = (r.s.descriptor->features & SV_FEATURE_PROBE) != 0;
-    probe_frame(&r, NULL, &plain);
-    old_frame_says_nothing(&r, &plain);
+    v_rig *r = v_rig_standard(run);
+    const bool heeds = (r->s.descriptor->features & SV_FEATURE_PROBE) != 0;
+    const v_map plain = probe_frame(r, NULL);
+    old_frame_says_nothing(r, &plain);
     for (size_t n = 0; n < sizeof holds / sizeof *holds; n++) {
         sv_frame told = holds[n];
         told.flags = SV_FRAME_DISCONTINUITY;
-        probe_frame(&r, &told, &map);
-        if (heeds)
-            v_map_free(&map);
-        else
+        const v_map map = probe_frame(r, &told);
+        if (!heeds)
             v_map_expect(run, &plain, &map, "the probe shows, and the descriptor has no SV_FEATURE_PROBE");
     }
-    for (size_t n = 0; heeds && n < sizeof breaks / sizeof *breaks; n++) probe_is_refused(&r, &breaks[n]);
+    for (size_t n = 0; heeds && n < sizeof breaks / sizeof *breaks; n++) probe_is_refused(r, &breaks[n]);
     sv_frame same = {.flags = SV_FRAME_SAME_VOLUME};
     if (heeds) {
-        probe_frame(&r, &same, &map);
-        v_map_free(&map);
+        (void)probe_frame(r, &same);
         same.flags |= SV_FRAME_DISCONTINUITY;
     }
-    probe_is_refused(&r, &same); /* both flags, or one that the plugin does not know */
-    probe_frame(&r, NULL, &map);
+    probe_is_refused(r, &same); /* both flags, or one that the plugin does not know */
+    const v_map map = probe_frame(r, NULL);
     v_map_expect(run, &plain, &map,
                  "where an earlier frame's probe was shows in a frame that does not say it");
-    v_map_free(&plain);
-    v_rig_close(&r);
 }
 
 /* ---- carriers and queues */
@@ -283,12 +249,11 @@ static void refuse_way(v_rig *r, const stage_way *way, const char *what) {
 
 void check_carriers(v_run *run) {
     static const char *const names[] = {"", "host memory", "buffers", "images"};
-    v_rig r;
     v_map maps[2] = {{0}}; /* of the host's queue, and of the plugin's own */
     uint32_t ways = 0;
-    v_rig_open(run, &r);
+    v_rig *r = v_rig_open(run);
     for (uint32_t n = 0; n < 12; n++) {
-        stage_way way = v_standard_way(&r.s);
+        stage_way way = v_standard_way(&r->s);
         char what[120];
         way.carrier = 1 + n / 2 % 3;
         way.own_queue = n % 2 == 1;
@@ -302,23 +267,21 @@ void check_carriers(v_run *run) {
                        !variant        ? ""
                        : way.own_queue ? ", registered"
                                        : ", map and ranges in buffers");
-        if (!offers(&r, &way)) {
-            if (!variant && !way.own_queue) refuse_way(&r, &way, what);
+        if (!offers(r, &way)) {
+            if (!variant && !way.own_queue) refuse_way(r, &way, what);
             continue;
         }
-        v_map *first = &maps[way.own_queue], map;
+        v_map *first = &maps[way.own_queue];
         run->random = 1; /* the same volume every time */
-        v_rig_set(&r, &way, V_LAYERS);
-        v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
+        v_rig_set(r, &way, V_LAYERS);
+        const v_map map = v_rig_frame(r, NULL, 0);
         if (first->depth)
             v_map_expect(run, first, &map, "%s give another map", what);
         else
             *first = map;
-        v_rig_drop(&r);
         ways++;
     }
     v_note(run, "%u ways to hand a volume over", ways);
-    v_rig_close(&r);
 }
 
 /* A call that was handed an object of another context. */
@@ -328,39 +291,35 @@ static void refused_foreign(v_rig *r, const char *what, sv_status status, sv_sta
 }
 
 void check_foreign_objects(v_run *run) {
-    v_rig r;
     stage_device other;
     stage foreign;
-    v_map map;
-    v_rig_open(run, &r);
-    stage_way way = v_standard_way(&r.s);
+    v_rig *r = v_rig_open(run);
+    stage_way way = v_standard_way(&r->s);
     if (way.own_queue) v_skip(run, "the plugin takes no objects: it works on a queue of its own");
-    if (r.s.descriptor->carriers & SV_BIT(SV_CARRIER_BUFFER)) way.carrier = SV_CARRIER_BUFFER;
+    if (r->s.descriptor->carriers & SV_BIT(SV_CARRIER_BUFFER)) way.carrier = SV_CARRIER_BUFFER;
     way.depth_object = true;
     way.ranges_in_buffer = way.ranges;
-    v_rig_set(&r, &way, V_LAYERS);
+    v_rig_set(r, &way, V_LAYERS);
     v_device_open(run, &other);
     v_stage_make(run, &foreign, &way, &other);
-    const sv_plugin *p = r.s.plugin;
-    sv_frame frame = stage_frame(&r.stage, NULL, 0);
-    sv_slab slab = stage_slab(&r.stage, 0);
-    sv_result result = stage_result(&r.stage);
-    stage_poison(&r.stage, STAGE_POISON); /* the statistics get their size */
+    const sv_plugin *p = r->s.plugin;
+    sv_frame frame = stage_frame(&r->stage, NULL, 0);
+    sv_slab slab = stage_slab(&r->stage, 0);
+    sv_result result = stage_result(&r->stage);
+    stage_poison(&r->stage, STAGE_POISON); /* the statistics get their size */
     frame.scanned_object = foreign.ranges_object;
     slab.object = foreign.objects[0];
     result.depth_object = foreign.depth_object;
-    if (way.ranges) refused_foreign(&r, "scanned_object", p->begin(p, &frame), SV_ERR_ARGUMENT);
+    if (way.ranges) refused_foreign(r, "scanned_object", p->begin(p, &frame), SV_ERR_ARGUMENT);
     if (slab.object) {
-        (void)v_begin(p, &r.stage, NULL, 0);
-        refused_foreign(&r, "a slab's object", p->slab(p, &slab), SV_ERR_SLAB_SHAPE);
+        (void)v_begin(p, &r->stage, NULL, 0);
+        refused_foreign(r, "a slab's object", p->slab(p, &slab), SV_ERR_SLAB_SHAPE);
     }
-    (void)v_begin(p, &r.stage, NULL, 0);
-    for (uint32_t n = 0; n < r.stage.slab_count; n++) (void)v_slab(p, &r.stage, n);
-    refused_foreign(&r, "depth_object", p->end(p, &result), SV_ERR_ARGUMENT);
-    (void)clFinish(r.device.queue);
-    v_frame(&r.s, p, &r.stage, NULL, 0, &map);
-    v_map_free(&map);
+    (void)v_begin(p, &r->stage, NULL, 0);
+    for (uint32_t n = 0; n < r->stage.slab_count; n++) (void)v_slab(p, &r->stage, n);
+    refused_foreign(r, "depth_object", p->end(p, &result), SV_ERR_ARGUMENT);
+    (void)clFinish(r->device.queue);
+    (void)v_rig_frame(r, NULL, 0);
     stage_free(&foreign);
     v_device_close(&other);
-    v_rig_close(&r);
 }

@@ -134,16 +134,15 @@ void check_descriptor_constant(v_run *run) {
     v_load(run, &s);
     const sv_descriptor *d = s.entry->descriptor(0);
     copy_text(d, &first, before);
-    v_rig r;
-    v_rig_open(run, &r);
+    v_rig *r = v_rig_open(run);
     V_EXPECT(run, s.entry->descriptor(0) == d, "create changes where the descriptor lies");
     copy_text(d, &later, after);
     V_EXPECT(run, memcmp(&first, &later, sizeof first) == 0 && memcmp(before, after, sizeof before) == 0,
              "create changes the descriptor");
-    V_EXPECT(run, strcmp(r.s.plugin->descriptor->id, r.s.descriptor->id) == 0,
-             "the instance's descriptor has the id %s, expected %s", r.s.plugin->descriptor->id,
-             r.s.descriptor->id);
-    v_rig_close(&r);
+    V_EXPECT(run, strcmp(r->s.plugin->descriptor->id, r->s.descriptor->id) == 0,
+             "the instance's descriptor has the id %s, expected %s", r->s.plugin->descriptor->id,
+             r->s.descriptor->id);
+    v_rig_close(r);
     copy_text(d, &later, after);
     V_EXPECT(run, memcmp(&first, &later, sizeof first) == 0 && memcmp(before, after, sizeof before) == 0,
              "destroy changes the descriptor");

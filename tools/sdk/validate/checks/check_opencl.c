@@ -15,11 +15,12 @@ static void watch(v_subject *s) {
 }
 
 /* Opened, watched, and then activated. */
-static void open_watched(v_run *run, v_rig *r) {
-    v_rig_open(run, r);
+static v_rig *open_watched(v_run *run) {
+    v_rig *r = v_rig_open(run);
     watch(&r->s);
     const stage_way way = v_standard_way(&r->s);
     v_rig_set(r, &way, V_LAYERS);
+    return r;
 }
 
 static uint32_t all_calls(void) {
@@ -65,15 +66,13 @@ static void inspect_calls(v_rig *r, const char *call) {
 }
 
 void check_frame_path_opencl(v_run *run) {
-    v_rig r;
-    open_watched(run, &r);
-    const char *unknown = spy_unknown_import(r.s.library);
+    v_rig *r = open_watched(run);
+    const char *unknown = spy_unknown_import(r->s.library);
     const uint32_t calls = all_calls();
-    frame_with(&r, inspect_calls);
-    frame_with(&r, inspect_calls);
+    frame_with(r, inspect_calls);
+    frame_with(r, inspect_calls);
     if (calls == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
     if (unknown && unknown[0] == 'c') v_warn(run, "the validator does not watch %s", unknown);
-    v_rig_close(&r);
 }
 
 static void inspect_heap(v_rig *r, const char *call) {
@@ -81,12 +80,10 @@ static void inspect_heap(v_rig *r, const char *call) {
 }
 
 void check_frame_path_heap(v_run *run) {
-    v_rig r;
     if (!heap_spy_works()) v_skip(run, "the sanitizer keeps the heap for itself");
-    open_watched(run, &r);
-    frame_with(&r, inspect_heap);
-    frame_with(&r, inspect_heap);
-    v_rig_close(&r);
+    v_rig *r = open_watched(run);
+    frame_with(r, inspect_heap);
+    frame_with(r, inspect_heap);
 }
 
 static void inspect_launches(v_rig *r, const char *call) {
@@ -119,21 +116,20 @@ static void add_commands(v_rig *r, const char *call) {
 }
 
 void check_needs(v_run *run) {
-    v_rig r;
-    v_rig_open(run, &r);
-    const sv_plugin *p = r.s.plugin;
+    v_rig *r = v_rig_open(run);
+    const sv_plugin *p = r->s.plugin;
     const sv_ext_needs *ext = p->get_extension(p, SV_EXT_NEEDS);
     if (!ext) v_skip(run, "the plugin has no " SV_EXT_NEEDS);
     V_EXPECT(run, SV_HAS(ext, of) && ext->of, "the table of " SV_EXT_NEEDS " is not whole");
-    stage_way way = v_standard_way(&r.s);
+    stage_way way = v_standard_way(&r->s);
     if (way.own_queue) v_skip(run, "the plugin works on a device that the validator does not know");
-    watch(&r.s);
+    watch(&r->s);
     for (uint32_t n = 0; n < 3; n++) {
         const stage_way sized = v_sized(way, 40 + 70 * n, 30 + 90 * n, 20 + 11 * n);
-        v_rig_set(&r, &sized, V_LAYERS);
+        v_rig_set(r, &sized, V_LAYERS);
         const uint64_t taken = spy_live_bytes();
-        const sv_needs_device facts = facts_of(&r);
-        sv_format format = r.stage.format;
+        const sv_needs_device facts = facts_of(r);
+        sv_format format = r->stage.format;
         sv_needs needs = {.size = sizeof needs};
         format.context = NULL;
         format.device = NULL;
@@ -146,20 +142,17 @@ void check_needs(v_run *run) {
         V_EXPECT(run, needs.device_bytes == taken, "%s: %llu bytes of buffers, activate takes %llu",
                  run->report->where, (unsigned long long)needs.device_bytes, (unsigned long long)taken);
         commands = 0;
-        frame_with(&r, add_commands);
+        frame_with(r, add_commands);
         V_EXPECT(run, needs.commands >= commands, "%s: %u commands a frame, one enqueues %u",
                  run->report->where, needs.commands, commands);
-        v_rig_drop(&r);
+        v_rig_drop(r);
     }
-    v_rig_close(&r);
 }
 
 void check_first_launches(v_run *run) {
-    v_rig r;
-    open_watched(run, &r);
+    v_rig *r = open_watched(run);
     if (all_calls() == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
-    frame_with(&r, inspect_launches);
-    v_rig_close(&r);
+    frame_with(r, inspect_launches);
 }
 
 /* ---- whose objects are whose */
@@ -183,35 +176,31 @@ static cl_uint settled_count_of_queue(const stage_device *d, cl_uint wanted) {
 }
 
 void check_opencl_balance(v_run *run) {
-    v_rig r;
-    v_map map;
-    v_rig_open(run, &r);
-    watch(&r.s);
-    const stage_way way = v_standard_way(&r.s);
+    v_rig *r = v_rig_open(run);
+    watch(&r->s);
+    const stage_way way = v_standard_way(&r->s);
     cl_uint before = 0;
     if (!way.own_queue) {
-        v_device_open(run, &r.device);
-        before = count_of_queue(&r.device);
+        v_device_open(run, &r->device);
+        before = count_of_queue(&r->device);
     }
     uint32_t calls = 0;
     for (int i = 0; i < 3; i++) {
-        v_rig_set(&r, &way, V_LAYERS);
+        v_rig_set(r, &way, V_LAYERS);
         V_EXPECT(run, way.own_queue || spy_count(SPY_RETAIN) == 0, "activate retains an OpenCL object: %s",
                  spy_first(SPY_RETAIN));
-        v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
-        v_map_free(&map);
+        (void)v_rig_frame(r, NULL, 0);
         calls += all_calls();
-        v_rig_drop(&r);
+        v_rig_drop(r);
         V_EXPECT(run, spy_live() == 0, "after deactivate %d OpenCL objects that the plugin made are %s",
                  (int)spy_live(),
                  spy_live() > 0 ? "still there" : "too few: it released what is not its own");
     }
     if (!way.own_queue) {
-        const cl_uint after = settled_count_of_queue(&r.device, before);
+        const cl_uint after = settled_count_of_queue(&r->device, before);
         V_EXPECT(run, after == before, "the host's queue has %u references, before it had %u", after, before);
     }
     if (calls == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
-    v_rig_close(&r);
 }
 
 /* ---- calls that fail */
@@ -219,18 +208,17 @@ void check_opencl_balance(v_run *run) {
 static sv_status attempt(v_rig *r, v_map *map) {
     const sv_plugin *p = r->s.plugin;
     v_where(r->s.run, "activate, with a call that fails");
-    sv_status status = p->activate(p, &r->stage.format);
-    if (status < 0) return status;
-    status = v_try_frame(p, &r->stage, NULL, 0, map);
-    return status;
+    const sv_status status = p->activate(p, &r->stage.format);
+    return status < 0 ? status : v_try_frame(p, &r->stage, NULL, 0, map);
 }
 
 /* What must hold after an attempt in which `failed` failed: an error with its reason, or the good map. */
-static void judge(v_rig *r, const v_map *good, const char *failed, sv_status status, v_map *map) {
+static void judge(v_rig *r, const char *failed, sv_status status, const v_map *map) {
     const sv_plugin *p = r->s.plugin;
     v_run *run = r->s.run;
     if (status >= 0) {
-        v_map_expect(run, good, map, "%s failed, the frame succeeded, and its map is another one", failed);
+        v_map_expect(run, &r->good, map, "%s failed, the frame succeeded, and its map is another one",
+                     failed);
     } else {
         const char *reason = p->last_error(p);
         V_EXPECT(run, reason && reason[0], "%s failed, %s came without a reason", failed, v_status(status));
@@ -251,27 +239,25 @@ static uint32_t nth_of(v_run *run, uint32_t turn, uint32_t turns, uint32_t count
     return 1 + from + v_random(run, to - from);
 }
 
-static void frame_is_good(v_rig *r, const v_map *good, const char *after) {
+static void frame_is_good(v_rig *r, const char *after) {
     v_map map;
     const sv_status status = attempt(r, &map);
     V_EXPECT(r->s.run, status >= 0, "after %s had failed once, all fails: %s: %s", after, v_status(status),
              r->s.plugin->last_error(r->s.plugin));
-    v_map_expect(r->s.run, good, &map, "after %s had failed once, the map is another one", after);
+    v_map_expect(r->s.run, &r->good, &map, "after %s had failed once, the map is another one", after);
     to_inactive(r);
 }
 
 void check_opencl_faults(v_run *run) {
-    v_rig r;
-    v_map good, map;
-    open_watched(run, &r);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &good);
-    to_inactive(&r);
+    v_map map;
+    v_rig *r = open_watched(run);
+    r->good = v_rig_frame(r, NULL, 0);
+    to_inactive(r);
     spy_reset();
-    V_EXPECT(run, attempt(&r, &map) >= 0, "activate or a frame fails: %s",
-             r.s.plugin->last_error(r.s.plugin));
+    V_EXPECT(run, attempt(r, &map) >= 0, "activate or a frame fails: %s",
+             r->s.plugin->last_error(r->s.plugin));
     const uint32_t calls = all_calls() - spy_count(SPY_RELEASE);
-    v_map_free(&map);
-    to_inactive(&r);
+    to_inactive(r);
     if (calls == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
     const uint32_t turns = run->level >= 10 || 8 * run->level > calls ? calls : 8 * run->level;
     for (uint32_t turn = 0; turn < turns; turn++) {
@@ -279,43 +265,38 @@ void check_opencl_faults(v_run *run) {
         char failed[120];
         spy_reset();
         spy_fail(nth, nth % 2 ? CL_OUT_OF_RESOURCES : CL_OUT_OF_HOST_MEMORY);
-        const sv_status status = attempt(&r, &map);
+        const sv_status status = attempt(r, &map);
         if (!spy_failed()) {
-            if (status >= 0) v_map_free(&map);
-            to_inactive(&r);
+            to_inactive(r);
             continue;
         }
         (void)snprintf(failed, sizeof failed, "OpenCL call %u of %u, %s,", nth, calls, spy_failed());
-        judge(&r, &good, failed, status, &map);
+        judge(r, failed, status, &map);
         spy_reset();
-        to_inactive(&r);
+        to_inactive(r);
         V_EXPECT(run, spy_live() == 0, "%s failed, and %d OpenCL objects are still there", failed,
                  (int)spy_live());
-        if (turn % 8 == 0) frame_is_good(&r, &good, failed);
+        if (turn % 8 == 0) frame_is_good(r, failed);
     }
     v_note(run, "%u of %u OpenCL calls failed once each", turns, calls);
-    v_map_free(&good);
-    v_activate(&r.s, r.s.plugin, &r.stage);
-    v_rig_close(&r);
+    v_activate(&r->s, r->s.plugin, &r->stage);
 }
 
 void check_heap_faults(v_run *run) {
-    v_rig r;
-    v_map good, map;
+    v_map map;
     if (!heap_spy_works()) v_skip(run, "the sanitizer keeps the heap for itself");
-    open_watched(run, &r);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &good);
-    to_inactive(&r);
+    v_rig *r = open_watched(run);
+    r->good = v_rig_frame(r, NULL, 0);
+    to_inactive(r);
     heap_spy_reset();
     v_where(run, "create");
-    const sv_plugin *extra = v_another(&r.s);
+    const sv_plugin *extra = v_another(&r->s);
     extra->destroy(extra);
     const uint32_t in_create = heap_spy_count();
-    V_EXPECT(run, attempt(&r, &map) >= 0, "activate or a frame fails: %s",
-             r.s.plugin->last_error(r.s.plugin));
+    V_EXPECT(run, attempt(r, &map) >= 0, "activate or a frame fails: %s",
+             r->s.plugin->last_error(r->s.plugin));
     const uint32_t all = heap_spy_count();
-    v_map_free(&map);
-    to_inactive(&r);
+    to_inactive(r);
     if (all == 0) v_skip(run, "the plugin makes no allocations that the validator can see");
     const uint32_t turns = run->level >= 10 || 8 * run->level > all ? all : 8 * run->level;
     for (uint32_t turn = 0; turn < turns; turn++) {
@@ -327,7 +308,7 @@ void check_heap_faults(v_run *run) {
             extra = NULL;
             v_where(run, "create, with an allocation that fails");
             heap_spy_fail(nth);
-            const sv_status status = r.s.entry->create(&r.s.host.api, r.s.descriptor->id, &extra);
+            const sv_status status = r->s.entry->create(&r->s.host.api, r->s.descriptor->id, &extra);
             V_EXPECT(run, (status < 0) == (extra == NULL), "%s failed in create: %s, and *out is %s", failed,
                      v_status(status), extra ? "set" : "NULL");
             heap_spy_reset();
@@ -335,16 +316,14 @@ void check_heap_faults(v_run *run) {
             continue;
         }
         heap_spy_fail(nth - in_create);
-        const sv_status status = attempt(&r, &map);
+        const sv_status status = attempt(r, &map);
         heap_spy_reset();
-        judge(&r, &good, failed, status, &map);
-        to_inactive(&r);
+        judge(r, failed, status, &map);
+        to_inactive(r);
     }
-    frame_is_good(&r, &good, "an allocation");
+    frame_is_good(r, "an allocation");
     v_note(run, "%u of %u allocations failed once each", turns, all);
-    v_map_free(&good);
-    v_activate(&r.s, r.s.plugin, &r.stage);
-    v_rig_close(&r);
+    v_activate(&r->s, r->s.plugin, &r->stage);
 }
 
 /* ---- what stays behind */
@@ -359,20 +338,12 @@ static uint32_t entries_of(const char *folder) {
 
 void check_activations(v_run *run) {
     enum { SETTLED = 4 }; /* runtimes keep something from the first times */
-    v_rig r;
-    v_map map;
     const uint32_t turns = 20 * run->level;
     uint32_t files = 0, threads = 0, blocks = 0;
-    v_rig_open(run, &r);
-    watch(&r.s);
-    const stage_way way = v_standard_way(&r.s);
-    v_rig_set(&r, &way, V_LAYERS);
+    v_rig *r = open_watched(run);
     for (uint32_t i = 0; i < turns; i++) {
-        if (i % 10 < 2) {
-            v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
-            v_map_free(&map);
-        }
-        v_deactivate(&r.s, r.s.plugin);
+        if (i % 10 < 2) (void)v_rig_frame(r, NULL, 0);
+        v_deactivate(&r->s, r->s.plugin);
         if (i == SETTLED || i == turns - 1) {
             const uint32_t f = entries_of("/proc/self/fd"), t = entries_of("/proc/self/task"),
                            b = heap_spy_live();
@@ -387,8 +358,7 @@ void check_activations(v_run *run) {
             blocks = b;
         }
         V_EXPECT(run, spy_live() == 0, "an activation leaves %d OpenCL objects behind", (int)spy_live());
-        v_activate(&r.s, r.s.plugin, &r.stage);
+        v_activate(&r->s, r->s.plugin, &r->stage);
     }
     v_note(run, "%u activations", turns);
-    v_rig_close(&r);
 }

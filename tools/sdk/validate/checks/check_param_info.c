@@ -3,7 +3,7 @@
 #include "validate/checks/check.h"
 
 typedef struct {
-    v_subject s;
+    const v_subject *s;
     uint32_t told; /* by param_count */
     rule_params all;
     rule_sink to;
@@ -12,15 +12,15 @@ typedef struct {
 /* Reads the parameters as they are reported, right or wrong. */
 static table *read_table(v_run *run) {
     static table t;
-    v_open(run, &t.s);
+    t.s = &v_rig_open(run)->s;
     v_where(run, "param_count");
     t.to = v_sink(run);
-    t.told = t.s.plugin->param_count(t.s.plugin);
+    t.told = t.s->plugin->param_count(t.s->plugin);
     t.all.count = t.told < RULE_MAX_PARAMS ? t.told : RULE_MAX_PARAMS;
     for (uint32_t i = 0; i < t.all.count; i++) {
         t.all.info[i] = (sv_param_info){.size = sizeof t.all.info[i]};
         v_where(run, "param_info(%u)", i);
-        const sv_status status = t.s.plugin->param_info(t.s.plugin, i, &t.all.info[i]);
+        const sv_status status = t.s->plugin->param_info(t.s->plugin, i, &t.all.info[i]);
         V_EXPECT(run, status == SV_OK, "param_info(%u): %s, and param_count is %u", i, v_status(status),
                  t.told);
     }
@@ -30,31 +30,26 @@ static table *read_table(v_run *run) {
 void check_param_ids(v_run *run) {
     table *t = read_table(run);
     judge_param_ids(&t->to, &t->all, t->told);
-    v_close(&t->s);
 }
 
 void check_param_strings(v_run *run) {
     table *t = read_table(run);
     judge_param_strings(&t->to, &t->all);
-    v_close(&t->s);
 }
 
 void check_param_ranges(v_run *run) {
     table *t = read_table(run);
     judge_param_ranges(&t->to, &t->all);
-    v_close(&t->s);
 }
 
 void check_param_dependencies(v_run *run) {
     table *t = read_table(run);
     judge_param_dependencies(&t->to, &t->all);
-    v_close(&t->s);
 }
 
 void check_param_flags(v_run *run) {
     table *t = read_table(run);
-    judge_param_flags(&t->to, &t->all, t->s.descriptor);
-    v_close(&t->s);
+    judge_param_flags(&t->to, &t->all, t->s->descriptor);
 }
 
 /* param_info of a struct of another size: the size as of 1.0 is needed, and nothing behind it is written. */
@@ -82,21 +77,19 @@ static void try_sizes(v_subject *s) {
 }
 
 void check_param_info_calls(v_run *run) {
-    v_subject s;
-    v_open(run, &s);
-    const uint32_t count = s.plugin->param_count(s.plugin);
+    v_subject *s = &v_rig_open(run)->s;
+    const uint32_t count = s->plugin->param_count(s->plugin);
     const uint32_t beyond[] = {count, count + 1, UINT32_MAX};
     for (size_t i = 0; i < sizeof beyond / sizeof *beyond && count < UINT32_MAX - 1; i++) {
         sv_param_info info = {.size = sizeof info};
         v_where(run, "param_info(%u)", beyond[i]);
-        const sv_status status = s.plugin->param_info(s.plugin, beyond[i], &info);
+        const sv_status status = s->plugin->param_info(s->plugin, beyond[i], &info);
         V_EXPECT(run, status < 0, "param_info(%u): %s, and param_count is %u", beyond[i], v_status(status),
                  count);
     }
     if (count == 0) v_skip(run, "the plugin has no parameters");
-    try_sizes(&s);
+    try_sizes(s);
     v_where(run, "param_info with out NULL");
-    V_EXPECT(run, s.plugin->param_info(s.plugin, 0, NULL) == SV_ERR_ARGUMENT,
+    V_EXPECT(run, s->plugin->param_info(s->plugin, 0, NULL) == SV_ERR_ARGUMENT,
              "param_info with out NULL is not SV_ERR_ARGUMENT");
-    v_close(&s);
 }

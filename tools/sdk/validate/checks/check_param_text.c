@@ -34,27 +34,25 @@ static void try_room(v_subject *s, const sv_param_info *p, double value, uint32_
 
 void check_param_text(v_run *run) {
     static const uint32_t sizes[] = {1, 2, 3, 8, NAME, 256, ROOM};
-    v_subject s;
-    v_open(run, &s);
-    v_params_read(&s, &params);
+    v_subject *s = &v_rig_open(run)->s;
+    v_params_read(s, &params);
     if (params.count == 0) v_skip(run, "the plugin has no parameters");
     for (uint32_t i = 0; i < params.count; i++) {
         const sv_param_info *p = &params.info[i];
-        const double values[] = {p->default_value,      p->min_value, p->max_value, v_param_random(&s, p),
+        const double values[] = {p->default_value,      p->min_value, p->max_value, v_param_random(s, p),
                                  p->max_value + 1000.0, -1e300,       (double)NAN,  (double)INFINITY};
         for (size_t v = 0; v < sizeof values / sizeof *values; v++)
-            for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) try_room(&s, p, values[v], sizes[k]);
+            for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) try_room(s, p, values[v], sizes[k]);
         char text[NAME];
-        const sv_status status = ask(&s, p, p->default_value, text, sizeof text);
+        const sv_status status = ask(s, p, p->default_value, text, sizeof text);
         V_EXPECT(run, status == SV_OK, "param_text of %s = %g, its default: %s", p->key, p->default_value,
                  v_status(status));
     }
     char text[NAME] = "";
     sv_param_info nobody = {.id = 0xfffffff0u, .key = "an unknown id"};
-    V_EXPECT(run, ask(&s, &nobody, 0.0, text, sizeof text) == SV_ERR_PARAM_ID,
+    V_EXPECT(run, ask(s, &nobody, 0.0, text, sizeof text) == SV_ERR_PARAM_ID,
              "param_text of an unknown id is not SV_ERR_PARAM_ID");
-    V_EXPECT(run, ask(&s, &params.info[0], 0.0, NULL, sizeof text) < 0, "param_text with out NULL succeeds");
-    v_close(&s);
+    V_EXPECT(run, ask(s, &params.info[0], 0.0, NULL, sizeof text) < 0, "param_text with out NULL succeeds");
 }
 
 /* ---- numbers */
@@ -80,20 +78,18 @@ static void try_number(v_subject *s, const sv_param_info *p, double value) {
 }
 
 void check_param_round_trip(v_run *run) {
-    v_subject s;
-    v_open(run, &s);
-    v_params_read(&s, &params);
+    v_subject *s = &v_rig_open(run)->s;
+    v_params_read(s, &params);
     uint32_t tried = 0;
     for (uint32_t i = 0; i < params.count; i++) {
         const sv_param_info *p = &params.info[i];
         if (p->type == SV_PARAM_ENUM || p->type == SV_PARAM_BOOL) continue;
-        try_number(&s, p, p->min_value);
-        try_number(&s, p, p->max_value);
-        try_number(&s, p, p->default_value);
-        for (uint32_t k = 0; k < 4 * run->level; k++, tried++) try_number(&s, p, v_param_random(&s, p));
+        try_number(s, p, p->min_value);
+        try_number(s, p, p->max_value);
+        try_number(s, p, p->default_value);
+        for (uint32_t k = 0; k < 4 * run->level; k++, tried++) try_number(s, p, v_param_random(s, p));
     }
     if (tried == 0) v_skip(run, "the plugin has no parameter that is a number");
-    v_close(&s);
 }
 
 /* ---- names */
@@ -123,18 +119,16 @@ static void try_names(v_subject *s, const sv_param_info *p) {
 }
 
 void check_param_enum_names(v_run *run) {
-    v_subject s;
-    v_open(run, &s);
-    v_params_read(&s, &params);
+    v_subject *s = &v_rig_open(run)->s;
+    v_params_read(s, &params);
     uint32_t tried = 0;
     for (uint32_t i = 0; i < params.count; i++) {
         const sv_param_info *p = &params.info[i];
         if (p->type != SV_PARAM_ENUM && p->type != SV_PARAM_BOOL) continue;
-        try_names(&s, p);
+        try_names(s, p);
         tried++;
     }
     if (tried == 0) v_skip(run, "the plugin has no parameter that is an enum or a bool");
-    v_close(&s);
 }
 
 /* ----------------------------------------------------------------------------------------------- pairs -- */
@@ -153,7 +147,7 @@ typedef struct {
 } knob;
 
 typedef struct {
-    v_rig r;
+    v_rig *r;
     uint32_t count;
     knob knobs[MAX_KNOBS];
     bool covered[MAX_KNOBS][MAX_VALUES][MAX_KNOBS][MAX_VALUES];
@@ -210,36 +204,35 @@ static void cover(search *s, const uint32_t *row) {
 /* activate with these values, a frame, deactivate; other parameters have their defaults. */
 static sv_status try_values(search *s, const uint32_t *row, const uint32_t *which, uint32_t count) {
     sv_param_value list[MAX_KNOBS];
-    sv_format format = s->r.stage.format;
-    const sv_plugin *p = s->r.s.plugin;
+    sv_format format = s->r->stage.format;
+    const sv_plugin *p = s->r->s.plugin;
     v_map map;
     for (uint32_t i = 0; i < count; i++)
         list[i] = (sv_param_value){s->knobs[which[i]].info->id, 0, s->knobs[which[i]].value[row[which[i]]]};
     format.values = list;
     format.value_count = count;
-    v_where(s->r.s.run, "activate with %u values", count);
+    v_where(s->r->s.run, "activate with %u values", count);
     sv_status status = p->activate(p, &format);
     if (status < 0) return status;
-    status = v_try_frame(p, &s->r.stage, NULL, 0, &map);
+    status = v_try_frame(p, &s->r->stage, NULL, 0, &map);
     for (uint32_t i = 0; status >= 0 && i < map.width * map.height; i++)
         if (!isfinite(map.depth[i])) status = SV_ERR_INTERNAL;
-    if (status >= 0) v_map_free(&map);
-    v_deactivate(&s->r.s, p);
+    v_deactivate(&s->r->s, p);
     return status;
 }
 
 /* The row fails: with which pair, with which value alone, or only as a whole? */
 static _Noreturn void blame(search *s, const uint32_t *row, sv_status status) {
     char reason[300], text[500] = "";
-    v_run *run = s->r.s.run;
-    (void)snprintf(reason, sizeof reason, "%s", s->r.s.plugin->last_error(s->r.s.plugin));
+    v_run *run = s->r->s.run;
+    (void)snprintf(reason, sizeof reason, "%s", s->r->s.plugin->last_error(s->r->s.plugin));
     for (uint32_t a = 0; a < s->count; a++)
         for (uint32_t b = 0; b <= a; b++) {
             const uint32_t which[2] = {a, b};
             const sv_status pair = try_values(s, row, which, a == b ? 1 : 2);
             if (pair >= 0) continue;
             const knob *ka = &s->knobs[a], *kb = &s->knobs[b];
-            const char *why = s->r.s.plugin->last_error(s->r.s.plugin);
+            const char *why = s->r->s.plugin->last_error(s->r->s.plugin);
             v_fail(run, "%s = %g%s%s = %g: %s: %s", kb->info->key, kb->value[row[b]],
                    a == b ? " alone, " : " with ", ka->info->key, ka->value[row[a]], v_status(pair),
                    why && why[0] ? why : "a depth is not finite");
@@ -254,7 +247,7 @@ static _Noreturn void blame(search *s, const uint32_t *row, sv_status status) {
 static bool try_best_row(search *s) {
     uint32_t row[MAX_KNOBS], best_row[MAX_KNOBS], best = 0, all[MAX_KNOBS];
     for (int i = 0; i < TRIES; i++) {
-        const uint32_t gain = make_row(s->r.s.run, s, row);
+        const uint32_t gain = make_row(s->r->s.run, s, row);
         if (gain <= best) continue;
         best = gain;
         memcpy(best_row, row, sizeof row);
@@ -276,7 +269,7 @@ static uint32_t try_rest(search *s) {
             for (uint32_t i = 0; i < s->knobs[a].count; i++)
                 for (uint32_t j = 0; j < s->knobs[b].count; j++) {
                     if (s->covered[a][i][b][j]) continue;
-                    for (uint32_t k = 0; k < s->count; k++) row[k] = v_random(s->r.s.run, s->knobs[k].count);
+                    for (uint32_t k = 0; k < s->count; k++) row[k] = v_random(s->r->s.run, s->knobs[k].count);
                     row[a] = i;
                     row[b] = j;
                     const sv_status status = try_values(s, row, all, s->count);
@@ -291,13 +284,13 @@ void check_param_pairs(v_run *run) {
     static search s;
     uint32_t rows = 0, pairs = 0;
     memset(&s, 0, sizeof s);
-    v_rig_standard(run, &s.r);
-    v_deactivate(&s.r.s, s.r.s.plugin);
-    v_params_read(&s.r.s, &params);
+    s.r = v_rig_standard(run);
+    v_deactivate(&s.r->s, s.r->s.plugin);
+    v_params_read(&s.r->s, &params);
     for (uint32_t i = 0; i < params.count && s.count < MAX_KNOBS; i++) {
         if (!(params.info[i].flags & SV_PARAM_REACTIVATE)) continue;
         s.knobs[s.count].info = &params.info[i];
-        choose_values(&s.r.s, &s.knobs[s.count++]);
+        choose_values(&s.r->s, &s.knobs[s.count++]);
     }
     if (s.count < 2) v_skip(run, "fewer than two parameters need a new activation");
     for (uint32_t a = 0; a < s.count; a++)
@@ -305,6 +298,5 @@ void check_param_pairs(v_run *run) {
     while (try_best_row(&s)) rows++;
     rows += try_rest(&s);
     v_note(run, "%u parameters, %u pairs of values, in %u activations", s.count, pairs, rows);
-    v_activate(&s.r.s, s.r.s.plugin, &s.r.stage);
-    v_rig_close(&s.r);
+    v_activate(&s.r->s, s.r->s.plugin, &s.r->stage);
 }

@@ -6,10 +6,11 @@ enum { MAX_OUTSIDE = 16 };
 
 static v_params params; /* too large for the stack */
 
-static void open_with_params(v_run *run, v_rig *r) {
-    v_rig_standard(run, r);
+static v_rig *open_with_params(v_run *run) {
+    v_rig *r = v_rig_standard(run);
     v_params_read(&r->s, &params);
     if (params.count == 0) v_skip(run, "the plugin has no parameters");
+    return r;
 }
 
 /* begin with one value returns `expected`. */
@@ -22,18 +23,16 @@ static void try_value(v_rig *r, const char *key, uint32_t id, double value, sv_s
 }
 
 void check_param_in_range(v_run *run) {
-    v_rig r;
-    open_with_params(run, &r);
+    v_rig *r = open_with_params(run);
     for (uint32_t i = 0; i < params.count; i++) {
         const sv_param_info *p = &params.info[i];
         if (p->flags & SV_PARAM_REACTIVATE) continue;
-        try_value(&r, p->key, p->id, p->min_value, SV_OK);
-        try_value(&r, p->key, p->id, p->max_value, SV_OK);
-        try_value(&r, p->key, p->id, p->default_value, SV_OK);
+        try_value(r, p->key, p->id, p->min_value, SV_OK);
+        try_value(r, p->key, p->id, p->max_value, SV_OK);
+        try_value(r, p->key, p->id, p->default_value, SV_OK);
         for (uint32_t k = 0; k < 4 * run->level; k++)
-            try_value(&r, p->key, p->id, v_param_random(&r.s, p), SV_OK);
+            try_value(r, p->key, p->id, v_param_random(&r->s, p), SV_OK);
     }
-    v_rig_close(&r);
 }
 
 /* ---- what must be refused */
@@ -75,132 +74,110 @@ static void refuse_in_activate(v_rig *r, const sv_param_info *p) {
 void check_param_out_of_range(v_run *run) {
     static const uint32_t nobody[] = {0, 0xfffffff0u, UINT32_MAX};
     double values[MAX_OUTSIDE];
-    v_rig r;
-    v_map map;
-    open_with_params(run, &r);
+    v_rig *r = open_with_params(run);
     for (uint32_t i = 0; i < params.count; i++) {
         const sv_param_info *p = &params.info[i];
         if (p->flags & SV_PARAM_REACTIVATE) continue;
-        const uint32_t count = outside(&r.s, p, values);
-        for (uint32_t k = 0; k < count; k++) try_value(&r, p->key, p->id, values[k], SV_ERR_PARAM_RANGE);
+        const uint32_t count = outside(&r->s, p, values);
+        for (uint32_t k = 0; k < count; k++) try_value(r, p->key, p->id, values[k], SV_ERR_PARAM_RANGE);
     }
     for (size_t i = 0; i < sizeof nobody / sizeof *nobody; i++)
-        try_value(&r, "an id that no parameter has", nobody[i], 0.0, SV_ERR_PARAM_ID);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
-    v_map_free(&map);
-    v_deactivate(&r.s, r.s.plugin);
+        try_value(r, "an id that no parameter has", nobody[i], 0.0, SV_ERR_PARAM_ID);
+    (void)v_rig_frame(r, NULL, 0);
+    v_deactivate(&r->s, r->s.plugin);
     for (uint32_t i = 0; i < params.count; i++)
-        if (params.info[i].flags & SV_PARAM_REACTIVATE) refuse_in_activate(&r, &params.info[i]);
-    v_activate(&r.s, r.s.plugin, &r.stage);
-    v_rig_close(&r);
+        if (params.info[i].flags & SV_PARAM_REACTIVATE) refuse_in_activate(r, &params.info[i]);
+    v_activate(&r->s, r->s.plugin, &r->stage);
 }
 
 void check_param_fixed(v_run *run) {
-    v_rig r;
     uint32_t tried = 0;
-    open_with_params(run, &r);
+    v_rig *r = open_with_params(run);
     for (uint32_t i = 0; i < params.count; i++) {
         const sv_param_info *p = &params.info[i];
         const double other = v_param_other(p);
         if (!(p->flags & SV_PARAM_REACTIVATE)) continue;
-        try_value(&r, p->key, p->id, p->default_value, SV_OK);
-        if (other != p->default_value) try_value(&r, p->key, p->id, other, SV_ERR_PARAM_FIXED);
+        try_value(r, p->key, p->id, p->default_value, SV_OK);
+        if (other != p->default_value) try_value(r, p->key, p->id, other, SV_ERR_PARAM_FIXED);
         tried++;
     }
     if (tried == 0) v_skip(run, "no parameter needs a new activation");
-    v_rig_close(&r);
 }
 
 /* ---- which value counts */
 void check_param_repeated(v_run *run) {
-    v_rig r;
-    open_with_params(run, &r);
+    v_rig *r = open_with_params(run);
     for (uint32_t i = 0, tried = 0; i < params.count && tried < 2 + run->level; i++) {
         const sv_param_info *p = &params.info[i];
         if (p->flags & SV_PARAM_REACTIVATE) continue;
         const sv_param_value list[] = {{p->id, 0, p->default_value}, {p->id, 0, v_param_other(p)}};
-        v_map last, both;
-        v_frame(&r.s, r.s.plugin, &r.stage, list + 1, 1, &last);
-        v_frame(&r.s, r.s.plugin, &r.stage, list, 2, &both);
+        const v_map last = v_rig_frame(r, list + 1, 1);
+        const v_map both = v_rig_frame(r, list, 2);
         v_map_expect(run, &last, &both, "%s given twice: not the last value counts", p->key);
-        v_map_free(&last);
         tried++;
     }
-    v_rig_close(&r);
 }
 
 /* adjust to `value` gives the frame that begin with it would have given. */
 static void try_adjust(v_rig *r, const sv_param_info *p, double value) {
     const sv_param_value list = {.id = p->id, .value = value};
     const sv_plugin *plugin = r->s.plugin;
-    v_map wanted, first, adjusted;
-    v_frame(&r->s, plugin, &r->stage, &list, 1, &wanted);
-    v_frame(&r->s, plugin, &r->stage, NULL, 0, &first);
+    const v_map wanted = v_rig_frame(r, &list, 1);
+    const v_map first = v_rig_frame(r, NULL, 0);
     const sv_status status = v_adjust(plugin, &r->stage, &list, 1);
     V_EXPECT(r->s.run, status >= 0, "adjust of %s to %g: %s: %s", p->key, value, v_status(status),
              plugin->last_error(plugin));
-    v_collect(&r->stage, status, &adjusted);
+    v_map adjusted = v_collect(&r->stage, status);
     v_map_expect(r->s.run, &wanted, &adjusted, "adjust of %s to %g gives another map than a frame with it",
                  p->key, value);
     const sv_status back = v_adjust(plugin, &r->stage, NULL, 0);
     V_EXPECT(r->s.run, back >= 0, "adjust without values: %s", v_status(back));
-    v_collect(&r->stage, back, &adjusted);
+    adjusted = v_collect(&r->stage, back);
     v_map_expect(r->s.run, &first, &adjusted, "adjust back from %s = %g does not give the frame's map",
                  p->key, value);
-    v_map_free(&wanted);
-    v_map_free(&first);
 }
 
 void check_adjust_equals_frame(v_run *run) {
-    v_rig r;
-    open_with_params(run, &r);
-    if (!(r.s.descriptor->features & SV_FEATURE_ADJUST))
+    v_rig *r = open_with_params(run);
+    if (!(r->s.descriptor->features & SV_FEATURE_ADJUST))
         v_skip(run, "the descriptor has no SV_FEATURE_ADJUST");
-    const sv_plugin *plugin = r.s.plugin;
+    const sv_plugin *plugin = r->s.plugin;
     for (uint32_t i = 0; i < params.count; i++) {
         const sv_param_info *p = &params.info[i];
         if (p->flags & SV_PARAM_ADJUST) {
-            try_adjust(&r, p, v_param_other(p));
-            try_adjust(&r, p, v_param_random(&r.s, p));
+            try_adjust(r, p, v_param_other(p));
+            try_adjust(r, p, v_param_random(&r->s, p));
             continue;
         }
         const sv_param_value list = {.id = p->id, .value = v_param_other(p)};
-        v_map map;
-        v_frame(&r.s, plugin, &r.stage, NULL, 0, &map);
-        const sv_status status = v_adjust(plugin, &r.stage, &list, 1);
+        (void)v_rig_frame(r, NULL, 0);
+        const sv_status status = v_adjust(plugin, &r->stage, &list, 1);
         V_EXPECT(run, status < 0, "adjust takes %s, which is not flagged SV_PARAM_ADJUST: %s", p->key,
                  v_status(status));
-        v_map_free(&map);
     }
-    v_rig_close(&r);
 }
 
 /* ---- any values together */
 void check_param_fuzz(v_run *run) {
-    v_rig r;
     uint32_t done = 0, turns = 12 * run->level;
-    open_with_params(run, &r);
+    v_rig *r = open_with_params(run);
     for (uint32_t turn = 0; turn < turns; turn++) {
         sv_param_value list[V_MAX_PARAMS];
         uint32_t count = 0;
         v_map map;
         for (uint32_t i = 0; i < params.count; i++)
             if (!(params.info[i].flags & SV_PARAM_REACTIVATE) && v_random(run, 3) > 0)
-                list[count++] = (sv_param_value){params.info[i].id, 0, v_param_random(&r.s, &params.info[i])};
-        v_volume_free(&r.volume);
-        v_volume_make(run, &r.volume, (v_kind)v_random(run, V_KINDS), r.stage.format.width,
-                      r.stage.format.height, r.stage.format.slices);
-        v_stage_fill(&r.stage, &r.volume);
-        const sv_status status = v_try_frame(r.s.plugin, &r.stage, list, count, &map);
+                list[count++] =
+                    (sv_param_value){params.info[i].id, 0, v_param_random(&r->s, &params.info[i])};
+        v_rig_fill(r, (v_kind)v_random(run, V_KINDS));
+        const sv_status status = v_try_frame(r->s.plugin, &r->stage, list, count, &map);
         V_EXPECT(run, status >= 0 || status == SV_ERR_PARAM_RANGE, "random values, frame %u: %s: %s", turn,
-                 v_status(status), r.s.plugin->last_error(r.s.plugin));
+                 v_status(status), r->s.plugin->last_error(r->s.plugin));
         if (status < 0) continue; /* values that are fine alone may exclude each other */
         char what[48];
         (void)snprintf(what, sizeof what, "random values, frame %u", turn);
-        v_map_judge_depths(run, &map, r.stage.format.slices, what);
-        v_map_free(&map);
+        v_map_judge_depths(run, &map, r->stage.format.slices, what);
         done++;
     }
     v_note(run, "%u frames with random values, %u of them refused", turns, turns - done);
-    v_rig_close(&r);
 }

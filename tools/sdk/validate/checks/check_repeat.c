@@ -6,63 +6,43 @@
 #include <sched.h>
 #include <stdatomic.h>
 
-/* One more frame, which gives the same map as `wanted`. */
-static void again(v_rig *r, const v_map *wanted, const char *what) {
-    v_map map;
-    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &map);
-    v_map_expect(r->s.run, wanted, &map, "%s", what);
-}
-
 void check_same_frame_same_bits(v_run *run) {
-    v_rig r;
-    v_map first;
-    v_rig_standard(run, &r);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &first);
-    for (uint32_t i = 0; i < 2 + run->level; i++) again(&r, &first, "the same frame again gives another map");
-    v_deactivate(&r.s, r.s.plugin);
-    v_activate(&r.s, r.s.plugin, &r.stage);
-    again(&r, &first, "the same frame after another activation gives another map");
-    v_map_free(&first);
-    v_rig_close(&r);
+    v_rig *r = v_rig_good(run);
+    for (uint32_t i = 0; i < 2 + run->level; i++)
+        v_rig_expect(r, &r->good, "the same frame again gives another map");
+    v_deactivate(&r->s, r->s.plugin);
+    v_activate(&r->s, r->s.plugin, &r->stage);
+    v_rig_expect(r, &r->good, "the same frame after another activation gives another map");
 }
 
 void check_frames_independent(v_run *run) {
-    v_rig r;
-    v_map first, map;
     v_volume other;
-    v_rig_standard(run, &r);
-    const stage_way way = r.stage.way;
+    v_rig *r = v_rig_good(run);
+    const stage_way way = r->stage.way;
     v_volume_make(run, &other, V_OTHER, way.width, way.height, way.slices);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &first);
-    v_stage_fill(&r.stage, &other);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
-    v_map_free(&map);
-    v_stage_fill(&r.stage, &r.volume);
-    again(&r, &first, "a frame after SV_FRAME_DISCONTINUITY depends on the frame before");
+    v_stage_fill(&r->stage, &other);
+    (void)v_rig_frame(r, NULL, 0);
+    v_stage_fill(&r->stage, &r->volume);
+    v_rig_expect(r, &r->good, "a frame after SV_FRAME_DISCONTINUITY depends on the frame before");
     /* A frame that was broken off leaves no trace either. */
-    v_stage_fill(&r.stage, &other);
-    (void)v_begin(r.s.plugin, &r.stage, NULL, 0);
-    (void)v_slab(r.s.plugin, &r.stage, 0);
-    (void)v_slab(r.s.plugin, &r.stage, 0); /* is refused: the slabs are the host's again */
-    if (r.stage.device.queue) (void)clFinish(r.stage.device.queue);
-    v_stage_fill(&r.stage, &r.volume);
-    again(&r, &first, "a frame depends on one that was broken off");
-    v_deactivate(&r.s, r.s.plugin);
-    v_activate(&r.s, r.s.plugin, &r.stage);
-    again(&r, &first, "a frame after another activation depends on the frames before");
-    v_map_free(&first);
-    v_volume_free(&other);
-    v_rig_close(&r);
+    v_stage_fill(&r->stage, &other);
+    (void)v_begin(r->s.plugin, &r->stage, NULL, 0);
+    (void)v_slab(r->s.plugin, &r->stage, 0);
+    (void)v_slab(r->s.plugin, &r->stage, 0); /* is refused: the slabs are the host's again */
+    if (r->stage.device.queue) (void)clFinish(r->stage.device.queue);
+    v_stage_fill(&r->stage, &r->volume);
+    v_rig_expect(r, &r->good, "a frame depends on one that was broken off");
+    v_deactivate(&r->s, r->s.plugin);
+    v_activate(&r->s, r->s.plugin, &r->stage);
+    v_rig_expect(r, &r->good, "a frame after another activation depends on the frames before");
 }
 
 void check_slab_splits(v_run *run) {
-    v_rig r;
-    v_map whole;
-    v_rig_open(run, &r);
-    stage_way way = v_standard_way(&r.s);
+    v_rig *r = v_rig_open(run);
+    stage_way way = v_standard_way(&r->s);
     way.longest = way.slices;
-    v_rig_set(&r, &way, V_LAYERS);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &whole);
+    v_rig_set(r, &way, V_LAYERS);
+    const v_map whole = v_rig_frame(r, NULL, 0);
     for (uint32_t turn = 0; turn < 3 + 2 * run->level; turn++) {
         uint32_t lengths[STAGE_MAX_SLABS] = {0};
         const uint32_t longest = turn == 0 ? 1 : turn == 1 ? 2 : 2 + v_random(run, way.slices);
@@ -73,15 +53,11 @@ void check_slab_splits(v_run *run) {
             left -= lengths[n];
         }
         way.lengths = lengths;
-        v_map map;
-        v_rig_again(&r, &way);
-        v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &map);
-        v_map_expect(run, &whole, &map,
+        v_rig_again(r, &way);
+        v_rig_expect(r, &whole,
                      "the volume in %u slabs (the first of %u slices) gives another map than in one",
-                     r.stage.slab_count, lengths[0]);
+                     r->stage.slab_count, lengths[0]);
     }
-    v_map_free(&whole);
-    v_rig_close(&r);
 }
 
 /* ---- two instances */
@@ -96,44 +72,40 @@ static sv_param_value another_value(void) {
 }
 
 void check_instances_interleaved(v_run *run) {
-    v_rig a;
     stage st;
     v_volume other;
     v_map alone[2], map[2];
-    v_rig_standard(run, &a);
-    v_params_read(&a.s, &params);
+    v_rig *a = v_rig_standard(run);
+    v_params_read(&a->s, &params);
     const sv_param_value value = another_value();
     const uint32_t count = value.id ? 1 : 0;
-    const sv_plugin *first = a.s.plugin, *second = v_another(&a.s);
-    v_volume_make(run, &other, V_OTHER, a.stage.way.width, a.stage.way.height, a.stage.way.slices);
-    v_stage_make(run, &st, &a.stage.way, &a.device);
+    const sv_plugin *first = a->s.plugin, *second = v_another(&a->s);
+    v_volume_make(run, &other, V_OTHER, a->stage.way.width, a->stage.way.height, a->stage.way.slices);
+    v_stage_make(run, &st, &a->stage.way, &a->device);
     v_stage_fill(&st, &other);
-    v_frame(&a.s, first, &a.stage, NULL, 0, &alone[0]);
-    v_activate(&a.s, second, &st);
-    v_frame(&a.s, second, &st, &value, count, &alone[1]);
+    alone[0] = v_rig_frame(a, NULL, 0);
+    v_activate(&a->s, second, &st);
+    alone[1] = v_frame(&a->s, second, &st, &value, count);
     for (uint32_t turn = 0; turn < 2; turn++) {
-        sv_status status[2] = {v_begin(first, &a.stage, NULL, 0), v_begin(second, &st, &value, count)};
+        sv_status status[2] = {v_begin(first, &a->stage, NULL, 0), v_begin(second, &st, &value, count)};
         for (uint32_t n = 0; n < st.slab_count; n++) {
-            if (status[0] >= 0) status[0] = v_slab(first, &a.stage, n);
+            if (status[0] >= 0) status[0] = v_slab(first, &a->stage, n);
             if (status[1] >= 0) status[1] = v_slab(second, &st, n);
         }
-        if (status[0] >= 0) status[0] = v_end(first, &a.stage);
+        if (status[0] >= 0) status[0] = v_end(first, &a->stage);
         if (status[1] >= 0) status[1] = v_end(second, &st);
         for (int i = 0; i < 2; i++) {
             V_EXPECT(run, status[i] >= 0, "two instances in turn: instance %d: %s", i + 1,
                      v_status(status[i]));
-            v_collect(i ? &st : &a.stage, status[i], &map[i]);
+            map[i] = v_collect(i ? &st : &a->stage, status[i]);
             v_map_expect(run, &alone[i], &map[i],
                          "instance %d gives another map beside another instance than alone", i + 1);
         }
     }
-    v_deactivate(&a.s, second);
+    v_deactivate(&a->s, second);
     second->destroy(second);
-    again(&a, &alone[0], "an instance gives another map after another one was destroyed");
-    for (int i = 0; i < 2; i++) v_map_free(&alone[i]);
+    v_rig_expect(a, &alone[0], "an instance gives another map after another one was destroyed");
     stage_free(&st);
-    v_volume_free(&other);
-    v_rig_close(&a);
 }
 
 /* ---- threads */
@@ -161,7 +133,6 @@ static void *work(void *context) {
         if (status < 0) continue;
         const char *difference = v_map_difference(&w->alone, &map);
         if (difference) v_warn(&w->run, "the map is another one than alone: %s", difference);
-        v_map_free(&map);
     }
     return NULL;
 }
@@ -177,7 +148,7 @@ static void prepare(v_subject *s, worker *w, const stage_way *way, uint32_t n) {
     v_stage_make(s->run, &w->stage, way, &w->device);
     v_stage_fill(&w->stage, &w->volume);
     v_activate(s, w->plugin, &w->stage);
-    v_frame(s, w->plugin, &w->stage, NULL, 0, &w->alone);
+    w->alone = v_frame(s, w->plugin, &w->stage, NULL, 0);
     w->stage.data = &w->run;
 }
 
@@ -186,16 +157,15 @@ void check_instances_parallel(v_run *run) {
     static worker workers[WORKERS];
     pthread_t threads[WORKERS];
     pthread_barrier_t together;
-    v_subject s;
     memset(workers, 0, sizeof workers);
-    v_open(run, &s);
-    const stage_way way = v_standard_way(&s);
+    v_subject *s = &v_rig_open(run)->s;
+    const stage_way way = v_standard_way(s);
     V_EXPECT(run, pthread_barrier_init(&together, NULL, WORKERS) == 0,
              "no barrier: the check could not be made");
     for (uint32_t n = 0; n < WORKERS; n++) {
         workers[n].frames = 2 + 2 * run->level;
         workers[n].together = &together;
-        prepare(&s, &workers[n], &way, n);
+        prepare(s, &workers[n], &way, n);
     }
     v_where(run, "frames of %d instances at once", WORKERS);
     for (uint32_t n = 0; n < WORKERS; n++)
@@ -208,14 +178,11 @@ void check_instances_parallel(v_run *run) {
                  workers[n].report.text);
     for (uint32_t n = 0; n < WORKERS; n++) {
         worker *w = &workers[n];
-        v_deactivate(&s, w->plugin);
+        v_deactivate(s, w->plugin);
         if (n > 0) w->plugin->destroy(w->plugin);
         stage_free(&w->stage);
-        v_volume_free(&w->volume);
-        v_map_free(&w->alone);
         v_device_close(&w->device);
     }
-    v_close(&s);
 }
 
 /* ---- [any] calls beside frames */
@@ -246,22 +213,17 @@ static void wait_for_calls(void) {
 }
 
 void check_any_calls(v_run *run) {
-    v_rig r;
-    v_map alone;
     pthread_t thread;
-    v_rig_standard(run, &r);
-    v_frame(&r.s, r.s.plugin, &r.stage, NULL, 0, &alone);
+    v_rig *r = v_rig_good(run);
     atomic_store(&asking, true);
-    V_EXPECT(run, pthread_create(&thread, NULL, ask, (void *)(uintptr_t)r.s.plugin) == 0,
+    V_EXPECT(run, pthread_create(&thread, NULL, ask, (void *)(uintptr_t)r->s.plugin) == 0,
              "no thread: the check could not be made");
     for (uint32_t i = 0; i < 4 + 4 * run->level; i++) {
         wait_for_calls();
-        again(&r, &alone, "a frame gives another map while another thread makes [any] calls");
+        v_rig_expect(r, &r->good, "a frame gives another map while another thread makes [any] calls");
     }
-    const char *reason = r.s.plugin->last_error(r.s.plugin);
-    V_EXPECT(run, !reason[0] || alone.returned != SV_OK, "an [any] call changes last_error: %s", reason);
+    const char *reason = r->s.plugin->last_error(r->s.plugin);
+    V_EXPECT(run, !reason[0] || r->good.returned != SV_OK, "an [any] call changes last_error: %s", reason);
     atomic_store(&asking, false);
     (void)pthread_join(thread, NULL);
-    v_map_free(&alone);
-    v_rig_close(&r);
 }

@@ -21,8 +21,7 @@ static const sv_status expected[STATES][CALLS] = {
 };
 
 typedef struct {
-    v_rig r;
-    v_map good;
+    v_rig *r;
     state now;
     uint32_t slabs; /* that have come */
 } machine;
@@ -35,17 +34,17 @@ static void follow(machine *m, call c, sv_status status) {
     if (c == BEGIN) m->slabs = 0;
     if (c == SLAB) {
         m->slabs++;
-        m->now = status < 0 ? IDLE : m->slabs == m->r.stage.slab_count ? COMPLETE : MIDWAY;
+        m->now = status < 0 ? IDLE : m->slabs == m->r->stage.slab_count ? COMPLETE : MIDWAY;
     }
     if (c == END) m->now = status >= 0 ? FINISHED : IDLE;
 }
 
 static sv_status make(machine *m, call c) {
-    const sv_plugin *p = m->r.s.plugin;
-    stage *st = &m->r.stage;
+    const sv_plugin *p = m->r->s.plugin;
+    stage *st = &m->r->stage;
     switch (c) {
     case ACTIVATE:
-        v_where(m->r.s.run, "activate when %s", state_names[m->now]);
+        v_where(m->r->s.run, "activate when %s", state_names[m->now]);
         return p->activate(p, &st->format);
     case BEGIN:
         return v_begin(p, st, NULL, 0);
@@ -60,65 +59,48 @@ static sv_status make(machine *m, call c) {
 
 /* The call returns what the header says, and after end and adjust the map is the good one. */
 static void try_call(machine *m, call c) {
-    v_run *run = m->r.s.run;
+    v_run *run = m->r->s.run;
     const sv_status wanted = expected[m->now][c], status = make(m, c);
     const bool fits = wanted == SV_OK ? status >= 0 : status == wanted;
     V_EXPECT(run, fits, "%s when %s: %s, expected %s", call_names[c], state_names[m->now], v_status(status),
              v_status(wanted));
     if (status >= 0 && (c == END || c == ADJUST)) {
-        v_map map;
-        v_collect(&m->r.stage, status, &map);
-        v_map_expect(run, &m->good, &map, "%s after other calls gives another map", call_names[c]);
-    } else if (m->r.stage.device.queue) {
-        (void)clFinish(m->r.stage.device.queue);
+        const v_map map = v_collect(&m->r->stage, status);
+        v_map_expect(run, &m->r->good, &map, "%s after other calls gives another map", call_names[c]);
+    } else if (m->r->stage.device.queue) {
+        (void)clFinish(m->r->stage.device.queue);
     }
     follow(m, c, status);
 }
 
 /* Brings the instance into a state by right calls, from a fresh activation or none. */
 static void enter(machine *m, state wanted) {
-    if (m->now != INACTIVE) v_deactivate(&m->r.s, m->r.s.plugin);
+    if (m->now != INACTIVE) v_deactivate(&m->r->s, m->r->s.plugin);
     m->now = INACTIVE;
     while (m->now != wanted)
         try_call(m, (call)(m->now < MIDWAY ? (call)m->now : m->now == MIDWAY ? SLAB : END));
 }
 
-static void open_machine(v_run *run, machine *m) {
-    memset(m, 0, sizeof *m);
-    v_rig_standard(run, &m->r);
-    v_frame(&m->r.s, m->r.s.plugin, &m->r.stage, NULL, 0, &m->good);
-    m->now = FINISHED;
-}
-
-static void close_machine(machine *m) {
-    if (m->now == INACTIVE) v_activate(&m->r.s, m->r.s.plugin, &m->r.stage);
-    v_map_free(&m->good);
-    v_rig_close(&m->r);
-}
-
 /* deactivate of an inactive instance and destroy of an active one are the host's errors, and no accidents. */
 static void try_ends(machine *m) {
-    const sv_plugin *p = m->r.s.plugin, *other = v_another(&m->r.s);
+    const sv_plugin *p = m->r->s.plugin, *other = v_another(&m->r->s);
     enter(m, INACTIVE);
-    v_where(m->r.s.run, "deactivate when inactive");
+    v_where(m->r->s.run, "deactivate when inactive");
     p->deactivate(p);
-    v_activate(&m->r.s, other, &m->r.stage);
-    v_map map;
-    v_frame(&m->r.s, other, &m->r.stage, NULL, 0, &map);
-    v_map_free(&map);
-    const uint32_t lines = m->r.s.host.lines;
-    v_where(m->r.s.run, "destroy when active");
+    v_activate(&m->r->s, other, &m->r->stage);
+    (void)v_frame(&m->r->s, other, &m->r->stage, NULL, 0);
+    const uint32_t lines = m->r->s.host.lines;
+    v_where(m->r->s.run, "destroy when active");
     other->destroy(other);
-    if (m->r.s.host.lines == lines || m->r.s.host.severity != SV_LOG_HOST_MISBEHAVING)
-        v_warn(m->r.s.run, "destroy of an active instance does not tell the host (SV_LOG_HOST_MISBEHAVING)");
+    if (m->r->s.host.lines == lines || m->r->s.host.severity != SV_LOG_HOST_MISBEHAVING)
+        v_warn(m->r->s.run, "destroy of an active instance does not tell the host (SV_LOG_HOST_MISBEHAVING)");
 }
 
 void check_call_states(v_run *run) {
-    machine m;
-    open_machine(run, &m);
+    machine m = {v_rig_good(run), FINISHED, 0};
     for (int in = INACTIVE; in < STATES; in++)
         for (int c = ACTIVATE; c < CALLS; c++) {
-            if ((state)in == MIDWAY && m.r.stage.slab_count < 2) continue;
+            if ((state)in == MIDWAY && m.r->stage.slab_count < 2) continue;
             enter(&m, (state)in);
             try_call(&m, (call)c);
             if (m.now != INACTIVE) { /* whatever happened, the next frame is good */
@@ -128,7 +110,7 @@ void check_call_states(v_run *run) {
             }
         }
     try_ends(&m);
-    close_machine(&m);
+    if (m.now == INACTIVE) v_activate(&m.r->s, m.r->s.plugin, &m.r->stage);
 }
 
 /* ---- at random */
@@ -139,18 +121,17 @@ static call choose(v_run *run, const machine *m) {
 }
 
 void check_state_walk(v_run *run) {
-    machine m;
+    machine m = {v_rig_good(run), FINISHED, 0};
     const uint32_t steps = 100 * run->level;
-    open_machine(run, &m);
     for (uint32_t i = 0; i < steps; i++) {
         if (m.now != INACTIVE && v_random(run, 60) == 0) {
-            v_deactivate(&m.r.s, m.r.s.plugin);
+            v_deactivate(&m.r->s, m.r->s.plugin);
             m.now = INACTIVE;
         }
         try_call(&m, choose(run, &m));
     }
     v_note(run, "%u calls", steps);
-    close_machine(&m);
+    if (m.now == INACTIVE) v_activate(&m.r->s, m.r->s.plugin, &m.r->stage);
 }
 
 /* -------------------------------------------------------------------------------------------- settings -- */
@@ -190,12 +171,11 @@ static void try_setting(v_rig *r, const sv_param_info *p, double value) {
     v_run *run = r->s.run;
     stage_way way = v_standard_way(&r->s);
     char what[120];
-    v_map first, map;
     (void)snprintf(what, sizeof what, "%s = %g", p->key, value);
     way.fixed[0] = (sv_param_value){p->id, 0, value};
     way.fixed_count = 1;
     v_rig_again(r, &way);
-    v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &first);
+    const v_map first = v_rig_frame(r, NULL, 0);
     inspect_map(run, &first, way.slices, what);
     for (int turn = 0; turn < 2; turn++) {
         static const char *const ways[] = {"the same frame again",
@@ -206,30 +186,26 @@ static void try_setting(v_rig *r, const sv_param_info *p, double value) {
             way.pitch = 3;
             v_rig_again(r, &way);
         }
-        v_frame(&r->s, r->s.plugin, &r->stage, NULL, 0, &map);
-        v_map_expect(run, &first, &map, "%s: %s give another map", what, ways[turn]);
+        v_rig_expect(r, &first, "%s: %s give another map", what, ways[turn]);
         const char *place = stage_trespass(&r->stage, STAGE_POISON);
         V_EXPECT(run, !place, "%s: end writes %s", what, place);
     }
-    v_map_free(&first);
 }
 
 void check_every_setting(v_run *run) {
-    v_rig r;
     uint32_t tried = 0;
-    v_rig_standard(run, &r);
-    v_params_read(&r.s, &params);
+    v_rig *r = v_rig_standard(run);
+    v_params_read(&r->s, &params);
     for (uint32_t i = 0; i < params.count; i++) {
         double values[MAX_VALUES];
         if (!(params.info[i].flags & SV_PARAM_REACTIVATE)) continue;
-        const uint32_t count = choose_values(&r.s, &params.info[i], values);
+        const uint32_t count = choose_values(&r->s, &params.info[i], values);
         for (uint32_t n = 0; n < count; n++) {
             if (values[n] == params.info[i].default_value) continue; /* the other checks try that */
-            try_setting(&r, &params.info[i], values[n]);
+            try_setting(r, &params.info[i], values[n]);
             tried++;
         }
     }
     if (tried == 0) v_skip(run, "no parameter needs a new activation");
     v_note(run, "%u values, in two ways each", tried);
-    v_rig_close(&r);
 }

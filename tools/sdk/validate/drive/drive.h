@@ -37,6 +37,7 @@ typedef struct {
 } v_report;
 
 typedef struct v_watch v_watch;
+typedef struct v_rig v_rig;
 
 typedef struct {
     const char *path; /* of the library */
@@ -48,6 +49,7 @@ typedef struct {
     v_watch *watch;  /* what is looked at around every call; NULL: nothing */
     uint64_t random; /* state of v_random */
     jmp_buf escape;  /* where v_fail and v_skip go */
+    v_rig *rig;      /* that the check has open; NULL: none */
 } v_run;
 
 /* Notes the finding and ends the check. */
@@ -84,8 +86,9 @@ void v_random_begin(v_run *run, const char *name);
 uint32_t v_random(v_run *run, uint32_t below); /* 0 .. below - 1; `below` at least 1 */
 double v_random_unit(v_run *run);              /* 0 .. 1, both ends possible */
 
-/* `bytes` of memory, all zero. Fails the check if there are none. */
+/* `bytes` of memory, all zero, until v_memory_end. Fails the check if there are none. */
 void *v_memory(v_run *run, size_t bytes);
+void v_memory_end(void);
 
 /* --------------------------------------------------------------------------------------------- subject -- */
 /* The library under test with one instance of its plugin, and the host that it sees. */
@@ -180,9 +183,8 @@ typedef struct {
     sv_scanned *ranges; /* of every ray: all of the volume */
 } v_volume;
 
-/* Fills a volume by the run's random numbers; v_volume_free it. */
+/* Fills a volume by the run's random numbers. */
 void v_volume_make(v_run *run, v_volume *v, v_kind kind, uint32_t width, uint32_t height, uint32_t slices);
-void v_volume_free(v_volume *v);
 
 /* Ranges that cut a few slices off either end, other ones on every ray. */
 void v_volume_narrow(v_volume *v);
@@ -217,8 +219,6 @@ typedef struct {
     sv_status outcome;  /* `returned`, or with the host's queue and a success what the statistics say */
 } v_map;
 
-void v_map_free(v_map *map);
-
 /* The depths, as judge_depths judges them. */
 void v_map_judge_depths(v_run *run, const v_map *map, uint32_t slices, const char *what);
 
@@ -226,8 +226,8 @@ void v_map_judge_depths(v_run *run, const v_map *map, uint32_t slices, const cha
  * status maps and outcome are the same. */
 const char *v_map_difference(const v_map *a, const v_map *b);
 
-/* The check fails with this text and where the maps differ, unless they are the same. Frees `map`. */
-void v_map_expect(v_run *run, const v_map *wanted, v_map *map, const char *format, ...)
+/* The check fails with this text and where the maps differ, unless they are the same. */
+void v_map_expect(v_run *run, const v_map *wanted, const v_map *map, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
 /* activate; the check fails on an error. */
@@ -240,31 +240,43 @@ sv_status v_begin(const sv_plugin *p, stage *st, const sv_param_value *values, u
 sv_status v_slab(const sv_plugin *p, stage *st, uint32_t n);
 sv_status v_end(const sv_plugin *p, stage *st);
 sv_status v_adjust(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count);
-void v_collect(stage *st, sv_status returned, v_map *out);
+v_map v_collect(stage *st, sv_status returned);
 
 /* begin, all slabs, end. Returns the first error, or what end returned; the results are collected then. */
 sv_status v_try_frame(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
                       v_map *out);
 
 /* v_try_frame; the check fails on an error. */
-void v_frame(v_subject *s, const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
-             v_map *out);
+v_map v_frame(v_subject *s, const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count);
 
 /* The subject's own instance, activated, with a layered volume in its stage. The device is open if the way
- * needs one. */
-typedef struct {
+ * needs one. A check has one rig at most. */
+struct v_rig {
     v_subject s;
     stage_device device;
-    struct stage stage;
+    stage stage;
     v_volume volume;
-} v_rig;
-void v_rig_open(v_run *run, v_rig *r);                       /* loads, creates; no stage yet */
-void v_rig_set(v_rig *r, const stage_way *way, v_kind kind); /* stage and volume; activates */
+    v_map good; /* of v_rig_good */
+};
+v_rig *v_rig_open(v_run *run);                               /* loads, creates; no stage yet */
+v_rig *v_rig_open_bare(v_run *run);                          /* the same of v_open_bare */
+void v_rig_set(v_rig *r, const stage_way *way, v_kind kind); /* drops; stage and volume; activates */
 void v_rig_again(v_rig *r, const stage_way *way); /* another stage for the same volume; activates */
-void v_rig_drop(v_rig *r);                        /* deactivates; stage and volume are gone */
+void v_rig_fill(v_rig *r, v_kind kind);           /* another volume for the same stage */
+void v_rig_drop(v_rig *r);                        /* deactivates; the stage is gone */
+
+/* All that is open; the validator calls it behind every check that came to its end. NULL: nothing is. */
 void v_rig_close(v_rig *r);
 
-/* All in one: opens, the standard way, a layered volume, activated. */
-void v_rig_standard(v_run *run, v_rig *r);
+/* All in one: opens, the standard way, a layered volume, activated; and a frame of it, which is kept. */
+v_rig *v_rig_standard(v_run *run);
+v_rig *v_rig_good(v_run *run);
+
+/* v_frame of the rig. */
+v_map v_rig_frame(v_rig *r, const sv_param_value *values, uint32_t count);
+
+/* A frame without values comes, and its map is this one: else the check fails with the text. */
+void v_rig_expect(v_rig *r, const v_map *wanted, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 #endif

@@ -7,12 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void v_map_free(v_map *map) {
-    free(map->depth);
-    free(map->status);
-    *map = (v_map){0};
-}
-
 void v_map_judge_depths(v_run *run, const v_map *map, uint32_t slices, const char *what) {
     const rule_sink to = v_sink(run);
     const rule_map judged = {
@@ -38,17 +32,14 @@ const char *v_map_difference(const v_map *a, const v_map *b) {
     return text;
 }
 
-void v_map_expect(v_run *run, const v_map *wanted, v_map *map, const char *format, ...) {
+void v_map_expect(v_run *run, const v_map *wanted, const v_map *map, const char *format, ...) {
     const char *difference = v_map_difference(wanted, map);
-    if (difference) {
-        char text[256];
-        va_list arguments;
-        va_start(arguments, format);
-        (void)vsnprintf(text, sizeof text, format, arguments);
-        va_end(arguments);
-        v_fail(run, "%s: %s", text, difference);
-    }
-    v_map_free(map);
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    V_EXPECT(run, !difference, "%s: %s", text, difference);
 }
 
 static v_run *run_of(const stage *st) {
@@ -101,27 +92,25 @@ static void finish(stage *st) {
     V_EXPECT(run_of(st), code == CL_SUCCESS, "clFinish after end: OpenCL error %d", (int)code);
 }
 
-void v_collect(stage *st, sv_status returned, v_map *out) {
+v_map v_collect(stage *st, sv_status returned) {
     const size_t rays = (size_t)st->format.width * st->format.height, row = st->format.width * sizeof(float);
     const sv_result r = stage_result(st);
     finish(st);
-    *out = (v_map){.width = st->format.width,
-                   .height = st->format.height,
-                   .depth = v_memory(run_of(st), rays * sizeof(float)),
-                   .status = v_memory(run_of(st), rays),
-                   .returned = returned};
-    memcpy(out->status, r.status, rays);
-    memcpy(&out->stats, r.stats, sizeof out->stats);
-    out->outcome = returned >= 0 && st->device.queue ? out->stats.outcome : returned;
-    if (!r.depth_object) {
-        for (uint32_t y = 0; y < st->format.height; y++)
-            memcpy(out->depth + (size_t)y * st->format.width, (const uint8_t *)r.depth + y * st->row_bytes,
-                   row);
-        return;
-    }
+    v_map out = {.width = st->format.width,
+                 .height = st->format.height,
+                 .depth = v_memory(run_of(st), rays * sizeof(float)),
+                 .status = v_memory(run_of(st), rays),
+                 .returned = returned};
+    memcpy(out.status, r.status, rays);
+    memcpy(&out.stats, r.stats, sizeof out.stats);
+    out.outcome = returned >= 0 && st->device.queue ? out.stats.outcome : returned;
+    for (uint32_t y = 0; y < st->format.height && !r.depth_object; y++)
+        memcpy(out.depth + (size_t)y * st->format.width, (const uint8_t *)r.depth + y * st->row_bytes, row);
+    if (!r.depth_object) return out;
     const cl_int code = clEnqueueReadBuffer(st->device.queue, r.depth_object, CL_TRUE, r.depth_offset,
-                                            rays * sizeof(float), out->depth, 0, NULL, NULL);
+                                            rays * sizeof(float), out.depth, 0, NULL, NULL);
     V_EXPECT(run_of(st), code == CL_SUCCESS, "the map's buffer cannot be read: OpenCL error %d", (int)code);
+    return out;
 }
 
 /* ---- whole frames */
@@ -133,24 +122,33 @@ sv_status v_try_frame(const sv_plugin *p, stage *st, const sv_param_value *value
     if (status < 0)
         finish(st);
     else
-        v_collect(st, status, out);
+        *out = v_collect(st, status);
     return status;
 }
 
-void v_frame(v_subject *s, const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
-             v_map *out) {
-    const sv_status status = v_try_frame(p, st, values, count, out);
+v_map v_frame(v_subject *s, const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count) {
+    v_map out;
+    const sv_status status = v_try_frame(p, st, values, count, &out);
     V_EXPECT(s->run, status >= 0, "%s of a good frame (%u x %u x %u): %s: %s", s->run->report->where,
              st->format.width, st->format.height, st->format.slices, v_status(status), p->last_error(p));
+    return out;
 }
 
 /* ---- all together */
-void v_rig_open(v_run *run, v_rig *r) {
-    memset(r, 0, sizeof *r);
-    v_open(run, &r->s);
+v_rig *v_rig_open(v_run *run) {
+    run->rig = v_memory(run, sizeof *run->rig);
+    v_open(run, &run->rig->s);
+    return run->rig;
+}
+
+v_rig *v_rig_open_bare(v_run *run) {
+    run->rig = v_memory(run, sizeof *run->rig);
+    v_open_bare(run, &run->rig->s);
+    return run->rig;
 }
 
 static void set_stage(v_rig *r, const stage_way *way) {
+    if (r->stage.data) v_rig_drop(r);
     if (!way->own_queue && !r->device.context) v_device_open(r->s.run, &r->device);
     v_stage_make(r->s.run, &r->stage, way, &r->device);
     v_stage_fill(&r->stage, &r->volume);
@@ -163,25 +161,54 @@ void v_rig_set(v_rig *r, const stage_way *way, v_kind kind) {
 }
 
 void v_rig_again(v_rig *r, const stage_way *way) {
-    v_deactivate(&r->s, r->s.plugin);
-    stage_free(&r->stage);
     set_stage(r, way);
+}
+
+void v_rig_fill(v_rig *r, v_kind kind) {
+    const stage_way *way = &r->stage.way;
+    v_volume_make(r->s.run, &r->volume, kind, way->width, way->height, way->slices);
+    v_stage_fill(&r->stage, &r->volume);
 }
 
 void v_rig_drop(v_rig *r) {
     v_deactivate(&r->s, r->s.plugin);
     stage_free(&r->stage);
-    v_volume_free(&r->volume);
 }
 
 void v_rig_close(v_rig *r) {
+    if (!r) return;
     if (r->stage.data) v_rig_drop(r);
+    r->s.run->rig = NULL;
     v_close(&r->s);
     v_device_close(&r->device);
 }
 
-void v_rig_standard(v_run *run, v_rig *r) {
-    v_rig_open(run, r);
+v_rig *v_rig_standard(v_run *run) {
+    v_rig *r = v_rig_open(run);
     const stage_way way = v_standard_way(&r->s);
     v_rig_set(r, &way, V_LAYERS);
+    return r;
+}
+
+v_rig *v_rig_good(v_run *run) {
+    v_rig *r = v_rig_standard(run);
+    r->good = v_rig_frame(r, NULL, 0);
+    return r;
+}
+
+v_map v_rig_frame(v_rig *r, const sv_param_value *values, uint32_t count) {
+    return v_frame(&r->s, r->s.plugin, &r->stage, values, count);
+}
+
+void v_rig_expect(v_rig *r, const v_map *wanted, const char *format, ...) {
+    char text[256];
+    v_map map;
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    const sv_status status = v_try_frame(r->s.plugin, &r->stage, NULL, 0, &map);
+    V_EXPECT(r->s.run, status >= 0, "%s: %s: %s: %s", text, r->s.run->report->where, v_status(status),
+             r->s.plugin->last_error(r->s.plugin));
+    v_map_expect(r->s.run, wanted, &map, "%s", text);
 }

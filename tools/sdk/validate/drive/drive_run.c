@@ -3,6 +3,7 @@
 #include "validate/drive/drive.h"
 
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -86,8 +87,28 @@ double v_random_unit(v_run *run) {
     return (double)next(run) / (double)UINT32_MAX;
 }
 
+/* What a check has taken. Several threads may take some. */
+typedef struct block {
+    struct block *before;
+    max_align_t memory[];
+} block;
+static block *last;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+
 void *v_memory(v_run *run, size_t bytes) {
-    void *memory = calloc(1, bytes + 1);
-    V_EXPECT(run, memory, "no memory for %zu bytes: the check could not be made", bytes);
-    return memory;
+    block *b = calloc(1, sizeof *b + bytes + 1);
+    V_EXPECT(run, b, "no memory for %zu bytes: the check could not be made", bytes);
+    (void)pthread_mutex_lock(&lock);
+    b->before = last;
+    last = b;
+    (void)pthread_mutex_unlock(&lock);
+    return b->memory;
+}
+
+void v_memory_end(void) {
+    while (last) {
+        block *b = last;
+        last = b->before;
+        free(b);
+    }
 }

@@ -81,12 +81,6 @@ void v_volume_make(v_run *run, v_volume *v, v_kind kind, uint32_t width, uint32_
     for (size_t i = 0; i < rays; i++) v->ranges[i] = (sv_scanned){0, (uint16_t)slices};
 }
 
-void v_volume_free(v_volume *v) {
-    free(v->voxels);
-    free(v->ranges);
-    *v = (v_volume){0};
-}
-
 void v_volume_narrow(v_volume *v) {
     for (uint32_t i = 0; i < v->width * v->height; i++) {
         const uint32_t first = i % 3, last = 1 + i % 2;
