@@ -84,6 +84,7 @@ static void compare_double(const rig_result *got, const rig_expected *e, const s
 void compare_frame(rig *r, const stage *t, const sv_ref_volume *volume, const rig_settings *s,
                    const char *where, compare_summary *summary) {
     char text[512];
+    const void *mark = unit_mark();
     (void)snprintf(
         text, sizeof text,
         "%s: %u x %u x %u, padding %d, carrier %u, %u slabs, tiles_x %u, T_L %.4f, bone mode %d, k %u, "
@@ -104,20 +105,20 @@ void compare_frame(rig *r, const stage *t, const sv_ref_volume *volume, const ri
                  r->last_log);
     compare_maps(&got, &expected, volume->width, count, text);
     if (summary) compare_double(&got, &expected, volume, s, text, summary);
-    rig_result_free(&got);
-    rig_expected_free(&expected);
+    unit_return(mark);
 }
 
 void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_settings *s, const char *where,
                  compare_summary *summary) {
-    stage *t = rig_stage(r, f, volume);
+    const void *mark = unit_mark();
+    const stage *t = rig_stage(r, f, volume);
     const sv_status status = r->plugin->activate(r->plugin, &t->format);
     if (status != SV_OK) fail_msg("%s: activate is %d: %s", where, status, r->last_log);
     const sv_ref_volume v = {volume,    f->width,   f->height,
                              f->slices, f->padding, (const sv_ref_range *)f->scanned};
     compare_frame(r, t, &v, s, where, summary);
     r->plugin->deactivate(r->plugin);
-    rig_stage_free(t);
+    unit_return(mark);
 }
 
 void compare_print(const char *what, const compare_summary *s) {

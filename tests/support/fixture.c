@@ -4,8 +4,7 @@
 #include "support/unit.h"
 
 int fixture_setup(void **state) {
-    fixture *f = calloc(1, sizeof *f);
-    if (!f) return -1;
+    fixture *f = unit_memory(sizeof *f);
     rig_open(&f->r, NULL);
     f->volume = rig_volume(RIG_LAYERS, FIXTURE_WIDTH, FIXTURE_HEIGHT, FIXTURE_SLICES, 5);
     f->out = rig_result_make(FIXTURE_WIDTH, FIXTURE_HEIGHT);
@@ -20,7 +19,6 @@ int fixture_setup(void **state) {
     memcpy(f->good.status, e.status, FIXTURE_RAYS);
     f->good.stats.points = e.points;
     const bool good = e.outcome == SV_OK && e.points > 0; /* a frame that clips something */
-    rig_expected_free(&e);
     fixture_change(f, (rig_format){0});
     *state = f;
     return good ? 0 : -1;
@@ -33,12 +31,7 @@ int fixture_setup_active(void **state) {
 int fixture_teardown(void **state) {
     fixture *f = *state;
     rig_close(&f->r);
-    rig_stage_free(f->textures);
-    free(f->volume);
-    rig_result_free(&f->out);
-    rig_result_free(&f->good);
-    free(f);
-    return 0;
+    return unit_end(state);
 }
 
 void fixture_change(fixture *f, rig_format how) {
@@ -48,7 +41,6 @@ void fixture_change(fixture *f, rig_format how) {
     how.slab_slices = FIXTURE_SLAB;
     how.padding = SV_NO_PADDING;
     f->how = how;
-    if (f->textures) rig_stage_free(f->textures);
     f->textures = rig_stage(&f->r, &f->how, f->volume);
     assert_int_equal(f->textures->slab_count, FIXTURE_SLABS);
 }

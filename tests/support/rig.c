@@ -2,22 +2,19 @@
 #include "support/rig.h"
 
 #include "programs/shared_programs.h"
+#include "support/unit.h"
 
 #include "smartvis/lookup.h"
 #include <dlfcn.h>
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-static void fail(const char *what, const char *detail) {
+static void stop(const char *what, const char *detail) {
     (void)fprintf(stderr, "rig: %s: %s\n", what, detail);
     exit(2);
 }
 
 static void keep_log(const sv_host *host, int32_t severity, const char *text) {
     rig *r = host->host_data;
-    if (strchr(text, '\n')) fail("a line of the log has a newline", text);
+    if (strchr(text, '\n')) stop("a line of the log has a newline", text);
     r->last_severity = severity;
     (void)snprintf(r->last_log, sizeof r->last_log, "%s", text);
     r->log_lines++;
@@ -32,7 +29,7 @@ static void open_device(rig *r) {
     if (code == CL_SUCCESS) r->context = clCreateContext(NULL, 1, &r->device, NULL, NULL, &code);
     if (code == CL_SUCCESS)
         r->queue = clCreateCommandQueue(r->context, r->device, CL_QUEUE_PROFILING_ENABLE, &code);
-    if (code != CL_SUCCESS) fail("OpenCL", "no device");
+    if (code != CL_SUCCESS) stop("OpenCL", "no device");
     shared_programs_begin(r->context);
 }
 
@@ -41,7 +38,7 @@ cl_mem rig_foreign_buffer(const rig *r, size_t bytes) {
     cl_mem buffer = NULL;
     cl_context other = clCreateContext(NULL, 1, &r->device, NULL, NULL, &code);
     if (code == CL_SUCCESS) buffer = clCreateBuffer(other, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    if (code != CL_SUCCESS) fail("OpenCL", "no buffer in another context");
+    if (code != CL_SUCCESS) stop("OpenCL", "no buffer in another context");
     (void)clReleaseContext(other); /* the buffer keeps it */
     return buffer;
 }
@@ -49,7 +46,7 @@ cl_mem rig_foreign_buffer(const rig *r, size_t bytes) {
 bool rig_is_cpu(const rig *r) {
     cl_device_type type = 0;
     if (clGetDeviceInfo(r->device, CL_DEVICE_TYPE, sizeof type, &type, NULL) != CL_SUCCESS)
-        fail("OpenCL", "clGetDeviceInfo");
+        stop("OpenCL", "clGetDeviceInfo");
     return (type & CL_DEVICE_TYPE_CPU) != 0;
 }
 
@@ -59,13 +56,13 @@ void rig_open_library(rig *r, const char *path) {
     const char *build = getenv("SV_BUILD_DIR");
     (void)snprintf(standard, sizeof standard, "%s/smartvis.so", build ? build : ".");
     r->library = dlopen(path ? path : standard, RTLD_NOW | RTLD_LOCAL);
-    if (!r->library) fail("dlopen", dlerror());
+    if (!r->library) stop("dlopen", dlerror());
     r->entry = dlsym(r->library, SV_ENTRY_SYMBOL);
-    if (!r->entry) fail("dlsym", dlerror());
+    if (!r->entry) stop("dlsym", dlerror());
     r->host =
         (sv_host){.size = sizeof r->host, .host_data = r, .name = "rig", .version = "1", .log = keep_log};
     if (r->entry->create(&r->host, r->entry->descriptor(0)->id, &r->plugin) != SV_OK)
-        fail("create", r->last_log);
+        stop("create", r->last_log);
 }
 
 void rig_close_library(rig *r) {
@@ -97,28 +94,21 @@ int rig_setup(void **state) {
 int rig_teardown(void **state) {
     rig_close(*state);
     free(*state);
-    return 0;
+    return unit_end(state);
 }
 
 rig_result rig_result_make(uint32_t width, uint32_t height) {
-    rig_result out = {.depth = calloc((size_t)width * height, sizeof(float)),
-                      .status = calloc((size_t)width * height, 1),
-                      .stats = {.size = sizeof(sv_stats)}};
-    if (!out.depth || !out.status) fail("memory", "result");
-    return out;
-}
-
-void rig_result_free(rig_result *out) {
-    free(out->depth);
-    free(out->status);
-    memset(out, 0, sizeof *out);
+    const size_t rays = (size_t)width * height;
+    return (rig_result){.depth = unit_memory(rays * sizeof(float)),
+                        .status = unit_memory(rays),
+                        .stats = {.size = sizeof(sv_stats)}};
 }
 
 static sv_param_info info_of(const rig *r, const char *key) {
     sv_param_info info = {.size = sizeof info};
     for (uint32_t i = 0; i < r->plugin->param_count(r->plugin); i++)
         if (r->plugin->param_info(r->plugin, i, &info) == SV_OK && strcmp(info.key, key) == 0) return info;
-    fail("no parameter", key);
+    stop("no parameter", key);
     return info;
 }
 
@@ -133,7 +123,7 @@ double rig_param_default(const rig *r, const char *key) {
 double rig_enum(const rig *r, const char *key, const char *name) {
     const sv_param_info info = info_of(r, key);
     double value = 0.0;
-    if (!sv_lookup_value(r->plugin, &info, name, &value)) fail("no value of an enum", name);
+    if (!sv_lookup_value(r->plugin, &info, name, &value)) stop("no value of an enum", name);
     return value;
 }
 
@@ -170,12 +160,15 @@ static void name_method(const rig *r, stage_way *way) {
 }
 
 static void refused(void *data, const char *what, cl_int code) {
-    fail("OpenCL or memory", what);
+    stop("OpenCL or memory", what);
+}
+
+static void free_stage(void *st) {
+    stage_free(st);
 }
 
 stage *rig_stage(const rig *r, const rig_format *f, const uint8_t *volume) {
-    stage *st = malloc(sizeof *st);
-    if (!st) fail("memory", "stage");
+    stage *st = unit_memory(sizeof *st);
     stage_way way = {.width = f->width,
                      .height = f->height,
                      .slices = f->slices,
@@ -199,12 +192,8 @@ stage *rig_stage(const rig *r, const rig_format *f, const uint8_t *volume) {
     stage_make(st, &way, &(stage_device){r->device, r->context, r->queue}, refused, NULL);
     st->frame_flags = 0;
     stage_fill(st, volume, f->scanned);
+    unit_keep(free_stage, st);
     return st;
-}
-
-void rig_stage_free(stage *st) {
-    stage_free(st);
-    free(st);
 }
 
 void rig_tell(stage *st, const sv_beams *beams) {
@@ -221,18 +210,19 @@ sv_status rig_frame(rig *r, const stage *st, const sv_param_value *values, uint3
     const sv_status status = stage_run(st, r->plugin, values, count, &result);
     if (status >= SV_OK) hs_plugin_points(r->plugin, &out->points);
     if (st->format.queue && clFinish(st->format.queue) != CL_SUCCESS)
-        fail("OpenCL", "clFinish"); /* their report */
+        stop("OpenCL", "clFinish"); /* their report */
     return status == SV_OK ? out->stats.outcome : status;
 }
 
 sv_status rig_run(rig *r, const rig_format *f, const uint8_t *volume, const sv_param_value *values,
                   uint32_t count, rig_result *out) {
-    stage *t = rig_stage(r, f, volume);
+    const void *mark = unit_mark();
+    const stage *t = rig_stage(r, f, volume);
     sv_status status = r->plugin->activate(r->plugin, &t->format);
     if (status == SV_OK) {
         status = rig_frame(r, t, values, count, out);
         r->plugin->deactivate(r->plugin);
     }
-    rig_stage_free(t);
+    unit_return(mark);
     return status;
 }

@@ -33,9 +33,8 @@ typedef struct {
     sv_fixed format;
 } rig_expected;
 /* The same frame by the scalar definition: fixed point, and float64 if `with_double` is true.
- * Arrays of width * height; rig_expected_free them. */
+ * Arrays of width * height. */
 rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *settings, bool with_double);
-void rig_expected_free(rig_expected *e);
 
 /* A seeded volume of the given kind. */
 typedef enum {
@@ -116,9 +115,9 @@ int rig_teardown(void **state);
 #define RIG_TEST(function) cmocka_unit_test_setup_teardown(function, rig_setup, rig_teardown)
 
 /* A stage of the format with this volume in it: frames without flags. Everything that is padding (of tiles,
- * of the pitch, unused tiles) holds 255, the worst it could. Owned by the caller. */
+ * of the pitch, unused tiles) holds 255, the worst it could. The test's (support/unit.h), as all that is made
+ * here. */
 stage *rig_stage(const rig *r, const rig_format *f, const uint8_t *volume);
-void rig_stage_free(stage *st);
 
 /* Frames tell these beams from now on. */
 void rig_tell(stage *st, const sv_beams *beams);
@@ -132,7 +131,6 @@ sv_status rig_run(rig *r, const rig_format *f, const uint8_t *volume, const sv_p
                   uint32_t count, rig_result *out);
 
 rig_result rig_result_make(uint32_t width, uint32_t height);
-void rig_result_free(rig_result *out);
 
 /* Settings as parameter values for a frame (by key); returns their number (at most RIG_MAX_VALUES). */
 enum { RIG_MAX_VALUES = 12 };

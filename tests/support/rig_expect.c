@@ -2,10 +2,9 @@
 #include "support/rig.h"
 
 #include "ref/ref_mean.h"
+#include "support/unit.h"
 
 #include <assert.h>
-#include <stdlib.h>
-#include <string.h>
 
 rig_settings rig_default_settings(void) {
     return (rig_settings){.fluid_threshold = 40.5 / 255.0,
@@ -22,37 +21,30 @@ rig_settings rig_default_settings(void) {
                           .min_gap = 2.0};
 }
 
-static void *must(void *p) {
-    assert(p);
-    return p;
-}
-
 /* float64: near and far surfaces, then S(q), all by the definition. */
 static void expect_double(rig_expected *e, const rig_settings *s, const double *near_end,
                           const double *far_end, uint32_t width, uint32_t height) {
     const size_t count = (size_t)width * height;
-    double *near_surface = must(malloc(count * sizeof(double)));
-    double *far_surface = must(malloc(count * sizeof(double)));
+    double *near_surface = unit_memory(count * sizeof(double));
+    double *far_surface = unit_memory(count * sizeof(double));
     sv_ref_fill fill;
     const bool ok = sv_ref_mean(e->status, near_end, width, height, s->k, s->omega, near_surface, &fill) &&
                     sv_ref_mean(e->status, far_end, width, height, s->k, s->omega, far_surface, &fill);
     assert(ok && fill.passes == e->fill.passes && fill.unfilled == e->fill.unfilled);
     (void)ok;
-    e->depth_double = must(malloc(count * sizeof(double)));
+    e->depth_double = unit_memory(count * sizeof(double));
     for (size_t i = 0; i < count; i++)
         e->depth_double[i] = far_surface[i] + (double)s->q * (near_surface[i] - far_surface[i]);
-    free(near_surface);
-    free(far_surface);
 }
 
 rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *s, bool with_double) {
     const uint32_t width = volume->width, height = volume->height;
     const size_t count = (size_t)width * height;
-    rig_expected e = {.status = must(malloc(count)), .depth = must(malloc(count * sizeof(float)))};
-    sv_ref_ray *rays = must(malloc(count * sizeof *rays));
-    double *ends = must(malloc(2 * count * sizeof *ends));
-    uint32_t *positions = must(malloc(2 * count * sizeof *positions));
-    float *surfaces = must(malloc(2 * count * sizeof *surfaces));
+    rig_expected e = {.status = unit_memory(count), .depth = unit_memory(count * sizeof(float))};
+    sv_ref_ray *rays = unit_memory(count * sizeof *rays);
+    double *ends = unit_memory(2 * count * sizeof *ends);
+    uint32_t *positions = unit_memory(2 * count * sizeof *positions);
+    float *surfaces = unit_memory(2 * count * sizeof *surfaces);
     sv_ref_bone bone = s->bone;
     bone.fluid_threshold = s->fluid_threshold;
 
@@ -80,20 +72,9 @@ rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *s, bool
         memset(surfaces, 0, 2 * count * sizeof *surfaces);
     }
     sv_ref_blend(surfaces, surfaces + count, count, s->q, e.depth);
-    if (with_double && e.outcome == SV_NO_SURFACE) e.depth_double = must(calloc(count, sizeof(double)));
+    if (with_double && e.outcome == SV_NO_SURFACE) e.depth_double = unit_memory(count * sizeof(double));
     if (with_double && e.outcome != SV_NO_SURFACE) expect_double(&e, s, ends, ends + count, width, height);
-    free(rays);
-    free(ends);
-    free(positions);
-    free(surfaces);
     return e;
-}
-
-void rig_expected_free(rig_expected *e) {
-    free(e->status);
-    free(e->depth);
-    free(e->depth_double);
-    memset(e, 0, sizeof *e);
 }
 
 static uint32_t next_random(uint32_t *state) {
@@ -125,7 +106,7 @@ static uint8_t voxel(rig_kind kind, uint32_t x, uint32_t y, uint32_t z, uint32_t
 }
 
 uint8_t *rig_volume(rig_kind kind, uint32_t width, uint32_t height, uint32_t slices, uint32_t seed) {
-    uint8_t *v = must(malloc((size_t)width * height * slices));
+    uint8_t *v = unit_memory((size_t)width * height * slices);
     uint32_t state = seed * 2654435761u + 12345u + (uint32_t)kind;
     if (state == 0) state = 1;
     for (uint32_t z = 0; z < slices; z++)
@@ -139,7 +120,7 @@ uint8_t *rig_map_volume(const int32_t *near_end, const int32_t *far_end, uint32_
                         uint32_t slices) {
     enum { TISSUE = 90, FLUID = 10, BONE = 255 };
     const size_t count = (size_t)width * height;
-    uint8_t *v = must(malloc(count * slices));
+    uint8_t *v = unit_memory(count * slices);
     for (size_t i = 0; i < count; i++)
         for (int32_t z = 0; z < (int32_t)slices; z++) {
             const bool fluid = far_end[i] < 0 || (z >= near_end[i] && z < far_end[i]);

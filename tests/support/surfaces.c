@@ -20,11 +20,6 @@ int surface_next_of_points(int method) {
     return method;
 }
 
-static void *must(void *p) {
-    if (!p) abort();
-    return p;
-}
-
 const char *surface_name(int method) {
     return sv_ref_method_name((uint32_t)method);
 }
@@ -34,16 +29,9 @@ surface_points surface_points_make(uint32_t width, uint32_t height, uint32_t sli
     return (surface_points){.width = width,
                             .height = height,
                             .slices = slices,
-                            .status = must(calloc(count, 1)),
-                            .near_end = must(calloc(count, sizeof(double))),
-                            .far_end = must(calloc(count, sizeof(double)))};
-}
-
-void surface_points_free(surface_points *points) {
-    free(points->status);
-    free(points->near_end);
-    free(points->far_end);
-    memset(points, 0, sizeof *points);
+                            .status = unit_memory(count),
+                            .near_end = unit_memory(count * sizeof(double)),
+                            .far_end = unit_memory(count * sizeof(double))};
 }
 
 void surface_put(surface_points *points, uint32_t x, uint32_t y, uint32_t near_end, uint32_t far_end) {
@@ -87,7 +75,7 @@ surface_points surface_patches(uint32_t width, uint32_t height, uint32_t slices,
 
 uint8_t *surface_volume(const surface_points *points) {
     const size_t plane = (size_t)points->width * points->height;
-    uint8_t *volume = must(malloc(plane * points->slices));
+    uint8_t *volume = unit_memory(plane * points->slices);
     for (uint32_t z = 0; z < points->slices; z++)
         for (size_t i = 0; i < plane; i++) {
             const bool fluid = points->status[i] && z >= points->near_end[i] && z < points->far_end[i];
@@ -150,7 +138,6 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
     if (status != SV_OK) return status;
     uint8_t *volume = surface_volume(points);
     status = run_active(r, points, volume, values, sizeof values / sizeof *values, out);
-    free(volume);
     if (status >= 0 && report && chain->method == SV_METHOD_SPLINE) {
         const sv_ext_spline *spline = hs_plugin_spline(r->plugin);
         *report = (sv_spline_report){.size = sizeof *report};
@@ -174,7 +161,7 @@ static sv_ref_settings settings_of(const surface_chain *chain) {
 
 double *surface_expect(const surface_points *points, const surface_chain *chain) {
     const size_t count = (size_t)points->width * points->height;
-    double *depth = must(malloc(count * sizeof *depth)), *surface = must(malloc(count * sizeof *surface));
+    double *depth = unit_memory(count * sizeof *depth), *surface = unit_memory(count * sizeof *surface);
     uint8_t *volume = surface_volume(points);
     for (size_t i = 0; i < count; i++) { /* in float32, as the minimum filter gets them: it must be exact */
         const float near_end = (float)points->near_end[i], far_end = (float)points->far_end[i];
@@ -193,8 +180,6 @@ double *surface_expect(const surface_points *points, const surface_chain *chain)
         .q = (double)chain->q,
         .settings = &settings};
     if (!sv_ref_chain(sv_ref_method_of((uint32_t)chain->method), &task, surface)) abort();
-    free(volume);
-    free(depth);
     return surface;
 }
 

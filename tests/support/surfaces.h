@@ -35,7 +35,6 @@ typedef struct {
 } surface_points;
 
 surface_points surface_points_make(uint32_t width, uint32_t height, uint32_t slices);
-void surface_points_free(surface_points *points);
 /* 0 <= near < far < slices. */
 void surface_put(surface_points *points, uint32_t x, uint32_t y, uint32_t near_end, uint32_t far_end);
 

@@ -13,11 +13,33 @@
 
 #include <cmocka.h>
 
+/* What a test takes and need not give back: it is gone when the test has ended, whatever came of it. */
+
+/* Zeros. Without memory the program ends. */
+void *unit_memory(size_t bytes);
+
+/* `give_back` is called with `what` then; the last is given back first. */
+void unit_keep(void (*give_back)(void *what), void *what);
+
+/* Where loops take much: unit_return gives back what has been taken since unit_mark. */
+const void *unit_mark(void);
+void unit_return(const void *mark);
+
+/* Set-up and tear-down of UNIT_MAIN's tests that have none of their own, whose tear-down calls unit_end: what
+ * was taken since the set-up is given back, and what the group's took stays. Both return 0. */
+int unit_begin(void **state);
+int unit_end(void **state);
+
 /* The program: these tests, between the group's set-up and tear-down (NULL: none). Its file's name is that of
  * the group. */
 #define UNIT_MAIN(set_up, tear_down, ...)                                                                    \
     int main(void) {                                                                                         \
-        const struct CMUnitTest tests[] = {__VA_ARGS__};                                                     \
+        struct CMUnitTest tests[] = {__VA_ARGS__};                                                           \
+        for (size_t i = 0; i < sizeof tests / sizeof *tests; i++)                                            \
+            if (!tests[i].setup_func) {                                                                      \
+                tests[i].setup_func = unit_begin;                                                            \
+                tests[i].teardown_func = unit_end;                                                           \
+            }                                                                                                \
         return cmocka_run_group_tests_name(__FILE__, tests, set_up, tear_down);                              \
     }
 

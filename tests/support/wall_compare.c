@@ -23,11 +23,10 @@ wall_expected wall_expect(const wall_shape *s, const uint8_t *volume, bool clip_
     settings.clip_doubtful = clip_doubtful;
     static size_t turn = 1;
     turn = WALL_PLACES - turn;
-    wall_expected e = {.clip_doubtful = clip_doubtful, .confidence = calloc(count, sizeof(float))};
+    wall_expected e = {.clip_doubtful = clip_doubtful, .confidence = unit_memory(count * sizeof(float))};
     for (size_t n = 0; n < WALL_PLACES; n++) {
         if (n % 2 && n != turn) continue;
-        e.depth[n] = calloc(count, sizeof(float));
-        assert_true(e.depth[n] && e.confidence);
+        e.depth[n] = unit_memory(count * sizeof(float));
         /* Moving the knob back gives the same map, and so does moving it where nothing is clipped. */
         if (n > 0 && (places[n] == places[0] || !clips(&e)))
             memcpy(e.depth[n], e.depth[0], count * sizeof(float));
@@ -38,11 +37,6 @@ wall_expected wall_expect(const wall_shape *s, const uint8_t *volume, bool clip_
         }
     }
     return e;
-}
-
-void wall_expected_free(wall_expected *e) {
-    for (size_t n = 0; n < WALL_PLACES; n++) free(e->depth[n]);
-    free(e->confidence);
 }
 
 static double largest_difference(const float *a, const float *b, size_t count) {
@@ -65,9 +59,8 @@ static bool is_exact(const rig *r) {
  * behind a smaller one. */
 static void check_knob(rig *r, const wall_shape *s, const wall_expected *e, double bound) {
     const size_t count = (size_t)s->width * s->height;
-    float *last = malloc(count * sizeof *last);
+    float *last = unit_memory(count * sizeof *last);
     rig_result out = rig_result_make(s->width, s->height);
-    assert_non_null(last);
     for (size_t n = 1; n < WALL_PLACES; n++) {
         const sv_param_value q = {rig_param(r, "q"), 0, places[n]};
         const sv_result result = {.size = sizeof result, .depth = out.depth};
@@ -78,8 +71,6 @@ static void check_knob(rig *r, const wall_shape *s, const wall_expected *e, doub
         for (size_t i = 0; n > 1 && i < count; i++) assert_true(out.depth[i] <= last[i]);
         memcpy(last, out.depth, count * sizeof *last);
     }
-    rig_result_free(&out);
-    free(last);
 }
 
 /* Runs a frame in which all was scanned, and lets the next one forget it: blocks that are outside of the scan
@@ -110,10 +101,10 @@ static void compare_layout(rig *r, const wall_shape *s, const uint8_t *volume, c
     memcpy(t->format.spacing_mm, s->spacing_mm, sizeof s->spacing_mm);
     rig_result out = rig_result_make(s->width, s->height);
     if (s->beams) rig_tell(t, s->beams);
-    float *confidence = calloc(count, sizeof *confidence);
+    float *confidence = unit_memory(count * sizeof *confidence);
     sv_confidence_report report = {.size = sizeof report};
     const sv_ext_confidence *ext = r->plugin->get_extension(r->plugin, SV_EXT_CONFIDENCE);
-    assert_true(confidence && ext);
+    assert_non_null(ext);
     const sv_status active = r->plugin->activate(r->plugin, &t->format);
     if (active != SV_OK) fail_msg("%s: %s", what, r->last_log);
     if (s->scanned) scan_all(r, t, s, &out);
@@ -149,9 +140,6 @@ static void compare_layout(rig *r, const wall_shape *s, const uint8_t *volume, c
         assert_int_equal(report.rays, e->facts.rays);
         assert_int_equal(report.open_rays, e->facts.wall_rays);
     }
-    rig_stage_free(t);
-    rig_result_free(&out);
-    free(confidence);
 }
 
 bool wall_compare_outcome(rig *r, const wall_shape *s, const uint8_t *volume, const char *what,
@@ -159,12 +147,13 @@ bool wall_compare_outcome(rig *r, const wall_shape *s, const uint8_t *volume, co
     static const char *const layouts[] = {"single", "rays"};
     bool surface = false;
     for (int clip = 0; clip < 2 && !surface; clip++) {
-        wall_expected e = wall_expect(s, volume, clip);
+        const void *mark = unit_mark();
+        const wall_expected e = wall_expect(s, volume, clip);
         for (size_t n = 0; n < sizeof layouts / sizeof *layouts; n++)
             compare_layout(r, s, volume, &e, layouts[n], what);
         surface = clips(&e);
         if (!clip) *unasked = e.outcome;
-        wall_expected_free(&e);
+        unit_return(mark);
         if (e.outcome != SV_WALL_DOUBTFUL && e.outcome != SV_WALL_NO_FLUID) break;
     }
     return surface;
@@ -179,9 +168,8 @@ uint8_t *wall_layered_noise(uint32_t width, uint32_t height, uint32_t slices, ui
                             uint32_t patch_side, uint32_t seed) {
     static const uint8_t levels[] = {4, 80, 8, 120, 12, 204}; /* a quarter more at most */
     const size_t plane = (size_t)width * height;
-    uint8_t *volume = malloc(plane * slices);
+    uint8_t *volume = unit_memory(plane * slices);
     uint32_t own = seed * 2654435761u + 1;
-    assert_non_null(volume);
     for (size_t i = 0; i < plane; i++) {
         uint32_t patch =
             (uint32_t)(i % width / patch_side * 7919 + i / width / patch_side * 104729 + seed + 1) *

@@ -26,9 +26,8 @@ typedef struct {
     sv_wall_facts facts;
 } wall_expected;
 
-/* By the definition. Owned by the caller. */
+/* By the definition. */
 wall_expected wall_expect(const wall_shape *s, const uint8_t *volume, bool clip_doubtful);
-void wall_expected_free(wall_expected *e);
 
 /* Compares both layouts, and a doubtful surface with and without clipping there. Returns true if there is a
  * surface; `unasked`: the outcome without clipping there. */
@@ -37,7 +36,7 @@ bool wall_compare_outcome(rig *r, const wall_shape *s, const uint8_t *volume, co
 bool wall_compare(rig *r, const wall_shape *s, const uint8_t *volume, const char *what);
 
 /* Tissue, fluid and bone in layers of up to `longest` slices, the same for patches of rays but for their
- * ends: thin tissue, narrow fluid, rays that begin in fluid. The caller frees it. */
+ * ends: thin tissue, narrow fluid, rays that begin in fluid. */
 uint8_t *wall_layered_noise(uint32_t width, uint32_t height, uint32_t slices, uint32_t longest,
                             uint32_t patch_side, uint32_t seed);
 

@@ -26,22 +26,13 @@ typedef struct {
 static inline scan scan_make(uint32_t width, uint32_t height, uint32_t slices) {
     const size_t plane = (size_t)width * height;
     scan s = {.width = width, .height = height, .slices = slices};
-    s.voxels = calloc(plane, slices);
-    s.first = calloc(plane, sizeof *s.first);
-    s.end = calloc(plane, sizeof *s.end);
-    s.depth = calloc(plane, sizeof *s.depth);
-    s.confidence = calloc(plane, sizeof *s.confidence);
-    assert_true(s.voxels && s.first && s.end && s.depth && s.confidence);
+    s.voxels = unit_memory(plane * slices);
+    s.first = unit_memory(plane * sizeof *s.first);
+    s.end = unit_memory(plane * sizeof *s.end);
+    s.depth = unit_memory(plane * sizeof *s.depth);
+    s.confidence = unit_memory(plane * sizeof *s.confidence);
     for (size_t i = 0; i < plane; i++) s.end[i] = (uint16_t)slices;
     return s;
-}
-
-static inline void scan_free(scan *s) {
-    free(s->voxels);
-    free(s->first);
-    free(s->end);
-    free(s->depth);
-    free(s->confidence);
 }
 
 /* Runs with `settings`; NULL is the default. */

@@ -61,8 +61,6 @@ static float *map_of(rig *r, const wall_case *c, int32_t padding, bool ranged) {
     float *map = malloc(plane_of(c) * sizeof *map);
     assert_non_null(map);
     memcpy(map, out.depth, plane_of(c) * sizeof *map);
-    rig_stage_free(t);
-    rig_result_free(&out);
     free(ranges);
     return map;
 }

@@ -20,13 +20,11 @@ static void in_all_layouts(rig *r, rig_format f, uint8_t *volume, const rig_sett
         f.fixed[1] = (sv_param_value){rig_param(r, "substeps"), 0, s->substeps};
         compare_run(r, &f, volume, s, where, summary);
     }
-    free(volume);
 }
 
 static uint8_t *constant_volume(const rig_format *f, int value) {
     const size_t count = (size_t)f->width * f->height * f->slices;
-    uint8_t *volume = malloc(count);
-    assert_non_null(volume);
+    uint8_t *volume = unit_memory(count);
     memset(volume, value, count);
     return volume;
 }
@@ -61,7 +59,6 @@ static void one_value_everywhere(void **state) {
         rig_expected e = rig_expect(&v, &s, false);
         if (e.outcome != table[n].outcome) fail_msg("'%s': outcome %d", table[n].name, e.outcome);
         for (uint32_t i = 0; i < f.width * f.height; i++) assert_true(e.depth[i] == 0.0f); /* clips nothing */
-        rig_expected_free(&e);
         in_all_layouts(*state, f, volume, &s, table[n].name, NULL);
     }
 }
@@ -81,11 +78,9 @@ static void no_surface_after_a_surface(void **state) {
             if (n == 0) assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
             const sv_ref_volume v = {volumes[n], 40, 30, 12, SV_NO_PADDING, NULL};
             compare_frame(r, t, &v, &s, "no surface after a surface", NULL);
-            rig_stage_free(t);
         }
         r->plugin->deactivate(r->plugin);
     }
-    for (int n = 0; n < 4; n++) free(volumes[n]);
 }
 
 /* Maps by depth per pixel. */
@@ -150,8 +145,7 @@ static void hard_maps(void **state) {
     compare_summary all = {0};
     for (size_t n = 0; n < sizeof maps / sizeof *maps; n++) {
         const map_case *m = &maps[n];
-        int32_t *ends = calloc(2 * (size_t)m->width * m->height, sizeof *ends);
-        assert_non_null(ends);
+        int32_t *ends = unit_memory(2 * (size_t)m->width * m->height * sizeof *ends);
         int32_t *far_end = ends + (size_t)m->width * m->height; /* the near ends are all 0 */
         for (uint32_t i = 0; i < m->width * m->height; i++)
             far_end[i] = m->far_end(i % m->width, i / m->width);
@@ -162,7 +156,6 @@ static void hard_maps(void **state) {
         s.omega = m->omega;
         in_all_layouts(*state, f, rig_map_volume(ends, far_end, m->width, m->height, m->slices), &s, m->name,
                        &all);
-        free(ends);
     }
     compare_print("hard maps", &all);
 }
@@ -192,8 +185,7 @@ static void longest_volume(void **state) {
  * values. */
 static void float_sums_would_drift(void **state) {
     enum { SIDE = 512, SLICES = 256, RAYS = SIDE * SIDE };
-    int32_t *ends = calloc(2 * RAYS, sizeof *ends);
-    assert_non_null(ends);
+    int32_t *ends = unit_memory(2 * RAYS * sizeof *ends);
     uint32_t seed = 4;
     for (uint32_t i = 0; i < RAYS; i++) {
         seed = seed * 1664525u + 1013904223u;
@@ -206,17 +198,14 @@ static void float_sums_would_drift(void **state) {
     rig_settings s = rig_default_settings();
     s.k = 3;
     uint8_t *volume = rig_map_volume(ends, ends + RAYS, SIDE, SIDE, SLICES);
-    free(ends);
     compare_run(*state, &f, volume, &s, "float sums would drift", &all);
-    free(volume);
     compare_print("float sums would drift", &all);
 }
 
 /* Roundings of many passes add up: the widest map, k = 3, points at its left edge only. */
 static void many_passes(void **state) {
     enum { WIDTH = 512, HEIGHT = 8, SLICES = 512, RAYS = WIDTH * HEIGHT };
-    int32_t *ends = calloc(2 * RAYS, sizeof *ends);
-    assert_non_null(ends);
+    int32_t *ends = unit_memory(2 * RAYS * sizeof *ends);
     uint32_t seed = 5;
     for (uint32_t i = 0; i < RAYS; i++) {
         seed = seed * 1664525u + 1013904223u;
@@ -227,9 +216,7 @@ static void many_passes(void **state) {
     rig_settings s = rig_default_settings();
     s.k = 3;
     uint8_t *volume = rig_map_volume(ends, ends + RAYS, WIDTH, HEIGHT, SLICES);
-    free(ends);
     compare_run(*state, &f, volume, &s, "many passes", &all);
-    free(volume);
     compare_print("many passes", &all);
     assert_int_equal(all.max_passes, WIDTH - 3);
 }

@@ -21,8 +21,7 @@ typedef struct {
 } map;
 
 static map *empty_map(uint32_t width, uint32_t height, uint32_t k, double omega) {
-    map *m = calloc(1, sizeof *m);
-    assert_non_null(m);
+    map *m = unit_memory(sizeof *m);
     assert_true(width * height <= MAX_PIXELS);
     *m = (map){.width = width, .height = height, .k = k, .omega = omega};
     for (uint32_t i = 0; i < MAX_PIXELS; i++) m->far_end[i] = NONE;
@@ -45,14 +44,27 @@ static sv_status run_map(rig *r, const map *m, uint32_t strategy, float q, rig_r
                                      {rig_param(r, "fill_weight"), 0, m->omega},
                                      {rig_param(r, "q"), 0, (double)q},
                                      {rig_param(r, "evidence"), 0, 0}};
-    const sv_status status = rig_run(r, &f, volume, values, 4, out);
-    free(volume);
-    return status;
+    return rig_run(r, &f, volume, values, 4, out);
 }
 
 static void assert_depth(const rig_result *out, uint32_t i, double expected) {
     if (!(fabs((double)out->depth[i] - expected) <= ROUNDING))
         fail_msg("pixel %u is %.9g, expected %.9g", i, (double)out->depth[i], expected);
+}
+
+/* In each of the layouts, depth i % count for pixel i, up to `error` slices. */
+static void gives(rig *r, const char *name, const map *m, float q, uint32_t passes, const double *depth,
+                  uint32_t count, double error) {
+    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
+        rig_result out = rig_result_make(m->width, m->height);
+        if (run_map(r, m, strategy, q, &out) != SV_OK || out.points.passes != passes)
+            fail_msg("'%s': outcome %d after %u passes, expected 0 after %u", name, out.stats.outcome,
+                     out.points.passes, passes);
+        for (uint32_t i = 0; i < m->width * m->height; i++)
+            if (!(fabs((double)out.depth[i] - depth[i % count]) <= error))
+                fail_msg("'%s': pixel %u is %.9g, expected %.9g", name, i, (double)out.depth[i],
+                         depth[i % count]);
+    }
 }
 
 /* Figure 3.11: points (x, y, depth) on a 13 x 13 grid under a 3 x 3 window. */
@@ -85,11 +97,7 @@ static void figure_3_11(void **state) {
                 const bool point = (x == 3 && y == 3) || (x == 9 && y == 5) || (x == 5 && y == 9);
                 assert_int_equal(out.status[y * 13 + x], point);
             }
-        rig_result_free(&out);
-        rig_result_free(&other);
     }
-    free(m);
-    free(mirrored);
 }
 
 /* Rows of pixels under a window of three. */
@@ -117,18 +125,11 @@ static void lines(void **state) {
         /* An empty interval votes for 0. */
         {"an empty interval", 0.5, 3, 1, {0, NONE, 30}, {0, 15, 30}},
     };
-    for (uint32_t n = 0; n < sizeof table / sizeof *table; n++)
-        for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-            map *m = empty_map(table[n].width, 1, 3, table[n].omega);
-            for (uint32_t x = 0; x < table[n].width; x++) set_point(m, x, 0, table[n].far_end[x]);
-            rig_result out = rig_result_make(m->width, 1);
-            if (run_map(*state, m, strategy, 0.0f, &out) != SV_OK || out.points.passes != table[n].passes)
-                fail_msg("'%s': outcome %d after %u passes, expected 0 after %u", table[n].name,
-                         out.stats.outcome, out.points.passes, table[n].passes);
-            for (uint32_t x = 0; x < m->width; x++) assert_depth(&out, x, table[n].depth[x]);
-            rig_result_free(&out);
-            free(m);
-        }
+    for (uint32_t n = 0; n < sizeof table / sizeof *table; n++) {
+        map *m = empty_map(table[n].width, 1, 3, table[n].omega);
+        for (uint32_t x = 0; x < table[n].width; x++) set_point(m, x, 0, table[n].far_end[x]);
+        gives(*state, table[n].name, m, 0.0f, table[n].passes, table[n].depth, m->width, ROUNDING);
+    }
 }
 
 /* Pixels outside the image do not count. Depths 1 to 9 row by row: a corner is the mean of 4, an edge of 6,
@@ -137,14 +138,7 @@ static void borders(void **state) {
     static const double expected[] = {3, 3.5, 4, 4.5, 5, 5.5, 6, 6.5, 7};
     map *m = empty_map(3, 3, 3, 0.5);
     for (uint32_t i = 0; i < 9; i++) m->far_end[i] = (int32_t)i + 1;
-    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-        rig_result out = rig_result_make(3, 3);
-        assert_int_equal(run_map(*state, m, strategy, 0.0f, &out), SV_OK);
-        assert_int_equal(out.points.passes, 1);
-        for (uint32_t i = 0; i < 9; i++) assert_depth(&out, i, expected[i]);
-        rig_result_free(&out);
-    }
-    free(m);
+    gives(*state, "borders", m, 0.0f, 1, expected, 9, ROUNDING);
 }
 
 /* One point gives a constant surface, to the bit, however many passes it takes to reach the far corner. */
@@ -157,12 +151,7 @@ static void one_point(void **state) {
         set_point(m, x, y, 29);
         const uint32_t right = 31 - x > x ? 31 - x : x, below = 31 - y > y ? 31 - y : y;
         const uint32_t farthest = right > below ? right : below;
-        rig_result out = rig_result_make(32, 32);
-        assert_int_equal(run_map(*state, m, 1 + n % 3, 0.0f, &out), SV_OK);
-        assert_int_equal(out.points.passes, (farthest + reach - 1) / reach);
-        for (uint32_t i = 0; i < 32 * 32; i++) assert_true(out.depth[i] == 29.0f);
-        rig_result_free(&out);
-        free(m);
+        gives(*state, "one point", m, 0.0f, (farthest + reach - 1) / reach, (const double[]){29}, 1, 0.0);
     }
 }
 
@@ -172,14 +161,7 @@ static void window_larger_than_image(void **state) {
     set_point(m, 0, 0, 8);
     set_point(m, 8, 6, 14);
     set_point(m, 3, 3, 38);
-    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-        rig_result out = rig_result_make(9, 7);
-        assert_int_equal(run_map(*state, m, strategy, 0.0f, &out), SV_OK);
-        assert_int_equal(out.points.passes, 1);
-        for (uint32_t i = 0; i < 63; i++) assert_depth(&out, i, 20.0);
-        rig_result_free(&out);
-    }
-    free(m);
+    gives(*state, "a large window", m, 0.0f, 1, (const double[]){20}, 1, ROUNDING);
 }
 
 /* Weight 0: filled pixels carry nothing on. The 5 x 5 block around the point is reached, the rest never:
@@ -196,9 +178,7 @@ static void weight_zero(void **state) {
             const bool reached = i % 20 >= 2 && i % 20 <= 6 && i / 20 >= 3 && i / 20 <= 7;
             assert_true(out.depth[i] == (reached ? 12.0f : 0.0f));
         }
-        rig_result_free(&out);
     }
-    free(m);
 }
 
 /* S(q) = S_f + q (S_n - S_f) with S_f = 30, S_n = 10 or 2: 1.5 goes beyond the
@@ -214,11 +194,7 @@ static void knob(void **state) {
         map *m = empty_map(6, 5, 3, 0.5);
         set_point(m, 2, 2, 30);
         m->near_end[2 * 6 + 2] = table[n].near_end;
-        rig_result out = rig_result_make(6, 5);
-        assert_int_equal(run_map(*state, m, 1 + n % 3, table[n].q, &out), SV_OK);
-        for (uint32_t i = 0; i < 30; i++) assert_depth(&out, i, table[n].depth);
-        rig_result_free(&out);
-        free(m);
+        gives(*state, "the knob", m, table[n].q, 3, &table[n].depth, 1, ROUNDING);
     }
 }
 
@@ -229,14 +205,7 @@ static void both_ends(void **state) {
     m->far_end[1] = 30;
     m->near_end[0] = 4;
     m->near_end[1] = 8;
-    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-        rig_result out = rig_result_make(2, 1);
-        assert_int_equal(run_map(*state, m, strategy, 0.5f, &out), SV_OK);
-        assert_depth(&out, 0, 15.5);
-        assert_depth(&out, 1, 15.5);
-        rig_result_free(&out);
-    }
-    free(m);
+    gives(*state, "both ends", m, 0.5f, 1, (const double[]){15.5}, 1, ROUNDING);
 }
 
 UNIT_MAIN(NULL, NULL, RIG_TEST(figure_3_11), RIG_TEST(lines), RIG_TEST(borders), RIG_TEST(one_point),

@@ -106,8 +106,7 @@ static void make(filter *f, rig *r, const float *depth, const uint8_t *status, u
     assert_true(format.wide); /* 32-bit sums are left out of such depths */
     f->job.fraction = format.fraction;
     f->job.pass_limit = sv_pass_limit(SIDE, SIDE, K);
-    uint32_t *record = calloc(SV_REC_PASS0 + f->job.pass_limit, sizeof *record);
-    assert_non_null(record);
+    uint32_t *record = unit_memory((SV_REC_PASS0 + f->job.pass_limit) * sizeof *record);
     record[SV_REC_POINTS] = points;
     f->maps = buffer(r, PIXELS * sizeof *depth, depth);
     for (int n = 0; n < 2; n++) f->sums[n] = buffer(r, SV_SUM_PLANES * (size_t)PIXELS * real, NULL);
@@ -115,7 +114,6 @@ static void make(filter *f, rig *r, const float *depth, const uint8_t *status, u
     f->surfaces = buffer(r, 2 * (size_t)PIXELS * sizeof(float), NULL);
     f->status = buffer(r, PIXELS, status);
     f->record = buffer(r, (SV_REC_PASS0 + f->job.pass_limit) * sizeof *record, record);
-    free(record);
     build(f);
 }
 
@@ -132,9 +130,8 @@ static double deep(uint32_t x, uint32_t y, uint32_t *random) {
 }
 
 static void check(rig *r, const surface_points *p, const char *what) {
-    float *depth = malloc(PIXELS * sizeof *depth), *surface = malloc(PIXELS * sizeof *surface);
-    double *exact = malloc(2 * (size_t)PIXELS * sizeof *exact), *expected = exact + PIXELS;
-    assert_true(depth && surface && exact);
+    float *depth = unit_memory(PIXELS * sizeof *depth), *surface = unit_memory(PIXELS * sizeof *surface);
+    double *exact = unit_memory(2 * (size_t)PIXELS * sizeof *exact), *expected = exact + PIXELS;
     uint32_t random = 12345, points = 0, record[SV_REC_PASS0];
     for (uint32_t i = 0; i < PIXELS; i++) {
         depth[i] = p->status[i] ? (float)deep(i % SIDE, i / SIDE, &random) : INFINITY;
@@ -160,20 +157,15 @@ static void check(rig *r, const surface_points *p, const char *what) {
         shallowest, what, worst, fill.passes, PROMISE);
     assert_true(shallowest > 9970.0);
     assert_true(worst <= PROMISE);
-    free(depth);
-    free(surface);
-    free(exact);
 }
 
 static void deep_scattered(void **state) {
     surface_points p = surface_scattered(SIDE, SIDE, 60, PIXELS / 10, 19);
     check(*state, &p, "scattered points");
-    surface_points_free(&p);
 }
 static void deep_patches(void **state) {
     surface_points p = surface_patches(SIDE, SIDE, 60, 7);
     check(*state, &p, "patches");
-    surface_points_free(&p);
 }
 
 UNIT_MAIN(NULL, NULL, RIG_TEST(deep_scattered), RIG_TEST(deep_patches))

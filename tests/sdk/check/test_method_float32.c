@@ -20,8 +20,6 @@ static void check(rig *r, const surface_points *p, const surface_chain *chain, d
                   error, bound);
     assert_true(error <= bound);
     assert_true(report.points <= 64);
-    free(expected);
-    rig_result_free(&out);
 }
 
 static void test_scattered(void **state) {
@@ -46,8 +44,6 @@ static void test_scattered(void **state) {
         if (width > 40) assert_int_equal(report.merge_grid, 8);
         assert_true(report.points <= 64);
         for (uint32_t i = 0; i < width * height; i++) assert_true(isfinite(out.depth[i]));
-        rig_result_free(&out);
-        surface_points_free(&p);
     }
 }
 
@@ -63,7 +59,6 @@ static void test_degenerate(void **state) {
         }
         const surface_chain spline = {.method = SV_METHOD_SPLINE, .float32 = true, .merge_grid = 8};
         check(*state, &p, &spline, 1e-2, "degenerate");
-        surface_points_free(&p);
     }
 }
 
@@ -74,7 +69,6 @@ static void test_patches(void **state) {
         surface_points p = surface_patches(sides[n], sides[n], 60, 7);
         const surface_chain spline = {.method = SV_METHOD_SPLINE, .float32 = true, .merge_grid = 8};
         check(*state, &p, &spline, 1e-2, "patches");
-        surface_points_free(&p);
     }
 }
 

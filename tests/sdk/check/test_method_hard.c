@@ -111,9 +111,6 @@ static void check_case(rig *r, const hard_case *c, const surface_chain *chain) {
                       error, bound, c->attacks);
     assert_true(error <= bound);
     assert_int_equal(report.dropped, 0);
-    free(expected);
-    rig_result_free(&out);
-    surface_points_free(&p);
 }
 
 static void check_method(rig *r, int method) {
@@ -165,8 +162,6 @@ static void test_volumes(void **state) {
                     const sv_status status = rig_run(r, &format, volume, values, count, &out);
                     assert_true(status == SV_OK || status == SV_NO_SURFACE);
                     for (uint32_t i = 0; i < width * height; i++) assert_true(isfinite(out.depth[i]));
-                    rig_result_free(&out);
-                    free(volume);
                 }
 }
 

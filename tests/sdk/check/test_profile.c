@@ -128,8 +128,7 @@ static void check_depth(const ray *expected, const table *t, double got, double 
 /* One table in one split, by both ends of the knob: q = 0 is the far end, q = 1 the near end. */
 static void check_table(rig *r, const table *t, const uint32_t *lengths, uint32_t strategy) {
     const uint32_t width = t->count * SPACING;
-    uint8_t *volume = malloc((size_t)width * SLICES);
-    assert_non_null(volume);
+    uint8_t *volume = unit_memory((size_t)width * SLICES);
     fill(volume, t, width);
     const rig_format f = {
         .width = width,
@@ -165,10 +164,6 @@ static void check_table(rig *r, const table *t, const uint32_t *lengths, uint32_
     }
     assert_int_equal(far_map.stats.points, points);
     assert_int_equal(far_map.points.empty_points, empty);
-    rig_stage_free(textures);
-    rig_result_free(&far_map);
-    rig_result_free(&near_map);
-    free(volume);
 }
 
 /* Every crossing lies on a seam in one of these. */
@@ -198,7 +193,6 @@ static void one_ray_by_hand(void **state) {
         check_depth(&whole_steps[0], &one, (double)out.depth[0], 1.0, "1.5");
         assert_int_equal(out.status[0], SV_POINT_INITIAL);
         assert_int_equal(out.points.passes, 1);
-        rig_result_free(&out);
     }
 }
 
@@ -242,10 +236,8 @@ static void thresholds_by_hand(void **state) {
                      cases[i].level, cases[i].points);
         assert_true(out.points.volume_max == 250.0f / 255.0f);
         for (uint32_t x = 0; x < RAYS; x++) assert_int_equal(out.status[x], maxima[x] > cases[i].level);
-        rig_result_free(&out);
     }
     r->plugin->deactivate(r->plugin);
-    rig_stage_free(t);
 }
 
 /* Evidence: ten bone rays whose gaps are 0 (empty), 1, 1, 2, 2, 3, 3, 3, 4 and 5 slices. Those of at least
@@ -294,10 +286,8 @@ static void evidence_by_hand(void **state) {
                 assert_int_equal(out.status[x], x == 0 ? SV_POINT_EMPTY : SV_POINT_INITIAL);
                 assert_true((out.depth[x] > 0.0f) == cases[i].surface);
             }
-            rig_result_free(&out);
         }
         r->plugin->deactivate(r->plugin);
-        rig_stage_free(t);
     }
 }
 

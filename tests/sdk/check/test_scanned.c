@@ -23,8 +23,7 @@ static uint32_t noise(uint32_t *random) {
 /* Layers, with bone; ranges of every kind: whole, late, early, one slice, none, empty, and beyond the
  * volume. */
 static int setup(void **state) {
-    scene *s = calloc(1, sizeof *s);
-    if (!s) return -1;
+    scene *s = unit_memory(sizeof *s);
     rig_open(&s->r, NULL);
     uint32_t random = 4711;
     for (size_t z = 0; z < SLICES; z++)
@@ -51,8 +50,7 @@ static int setup(void **state) {
 static int teardown(void **state) {
     scene *s = *state;
     rig_close(&s->r);
-    free(s);
-    return 0;
+    return unit_end(state);
 }
 
 static rig_format format_of(const scene *s) {
@@ -119,7 +117,6 @@ static void ranges_are_padding(void **state) {
             assert_memory_equal(out[n].depth, out[0].depth, RAYS * sizeof(float));
             assert_memory_equal(out[n].status, out[0].status, RAYS);
         }
-        for (uint32_t n = 0; n < 3; n++) rig_result_free(&out[n]);
     }
 }
 
@@ -166,15 +163,10 @@ static void wrong_ranges(void **state) {
     t->format.flags = 2;
     assert_int_equal(p->activate(p, &t->format), SV_ERR_ARGUMENT);
     assert_non_null(strstr(p->last_error(p), "flags is 0x2"));
-    rig_result_free(&out);
-    rig_stage_free(t);
     (void)clReleaseMemObject(small);
     (void)clReleaseMemObject(foreign);
 }
 
-int main(void) {
 #define SCENE_TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
-    const struct CMUnitTest tests[] = {SCENE_TEST(device_is_definition), SCENE_TEST(ranges_are_padding),
-                                       SCENE_TEST(wrong_ranges)};
-    return cmocka_run_group_tests_name("scanned ranges", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, SCENE_TEST(device_is_definition), SCENE_TEST(ranges_are_padding),
+          SCENE_TEST(wrong_ranges))

@@ -31,14 +31,6 @@ static bench open_bench(rig *r, uint32_t strategy) {
     return b;
 }
 
-static void close_bench(bench *b) {
-    b->r->plugin->deactivate(b->r->plugin);
-    for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
-        rig_stage_free(b->textures[kind]);
-        free(b->volumes[kind]);
-    }
-}
-
 /* Frames 0 .. count - 1 of settings, on every kind of volume in turn, in every layout of the work. */
 static void compare_all(rig *r, const char *what, uint32_t count, rig_settings (*settings)(uint32_t n)) {
     compare_summary all = {0};
@@ -50,7 +42,7 @@ static void compare_all(rig *r, const char *what, uint32_t count, rig_settings (
             const rig_settings s = settings(n);
             compare_frame(r, b.textures[kind], &v, &s, what, &all);
         }
-        close_bench(&b);
+        b.r->plugin->deactivate(b.r->plugin);
     }
     compare_print(what, &all);
 }
@@ -154,7 +146,6 @@ static void adjust_equals_a_new_frame(void **state) {
                 &(sv_ref_volume){b.volumes[RIG_LAYERS], WIDTH, HEIGHT, SLICES, -1, NULL}, &s, false);
             s.q = 0.77f;
             assert_memory_equal(adjusted.depth, expected.depth, RAYS * sizeof(float));
-            rig_expected_free(&expected);
             (void)rig_values(r, &s, values);
             values[0].value = list[i]; /* q comes first */
             assert_int_equal(rig_frame(r, b.textures[RIG_LAYERS], values, count, &frame), SV_OK);
@@ -162,9 +153,7 @@ static void adjust_equals_a_new_frame(void **state) {
             assert_memory_equal(adjusted.status, frame.status, RAYS);
             assert_memory_equal(&adjusted.stats, &frame.stats, sizeof frame.stats);
         }
-        rig_result_free(&frame);
-        rig_result_free(&adjusted);
-        close_bench(&b);
+        b.r->plugin->deactivate(b.r->plugin);
     }
 }
 

@@ -33,10 +33,10 @@ static surface_points hill(uint32_t width, uint32_t height, uint32_t count, uint
 /* The spline through the far ends (q = 0) by LAPACK, at every pixel. */
 static double *lapack_surface(const surface_points *p, uint32_t count, double lambda) {
     const size_t n = count, size = n + 3, pixels = (size_t)p->width * p->height;
-    double *m = calloc(size * size, sizeof *m), *b = calloc(size, sizeof *b);
-    double *x = calloc(n, sizeof *x), *y = calloc(n, sizeof *y), *surface = calloc(pixels, sizeof *surface);
-    lapack_int *pivots = calloc(size, sizeof *pivots);
-    assert_true(m && b && x && y && surface && pivots);
+    double *m = unit_memory(size * size * sizeof *m), *b = unit_memory(size * sizeof *b);
+    double *x = unit_memory(n * sizeof *x), *y = unit_memory(n * sizeof *y),
+           *surface = unit_memory(pixels * sizeof *surface);
+    lapack_int *pivots = unit_memory(size * sizeof *pivots);
     size_t k = 0;
     for (size_t i = 0; i < pixels; i++)
         if (p->status[i]) {
@@ -61,11 +61,6 @@ static double *lapack_surface(const surface_points *p, uint32_t count, double la
         for (size_t j = 0; j < n; j++)
             surface[i] += b[j] * sv_ref_phi((u - x[j]) * (u - x[j]) + (v - y[j]) * (v - y[j]));
     }
-    free(m);
-    free(b);
-    free(x);
-    free(y);
-    free(pivots);
     return surface;
 }
 
@@ -89,9 +84,6 @@ static void test_lapack(void **state) {
             assert_int_equal(report.rank, 3);
             assert_int_equal(report.dropped, 0);
             assert_true((double)report.residual <= 1e-6);
-            free(expected);
-            rig_result_free(&out);
-            surface_points_free(&p);
         }
 }
 
@@ -140,8 +132,6 @@ static void check_rank(rig *r, const surface_points *p, uint32_t rank, const cha
     assert_int_equal(report.rank, rank);
     assert_int_equal(report.dropped, 0);
     assert_true(error <= BOUND);
-    free(expected);
-    rig_result_free(&out);
 }
 
 static void test_degenerate(void **state) {
@@ -164,8 +154,6 @@ static void test_degenerate(void **state) {
     check_rank(*state, &slant, 2, "collinear, slanting");
     check_rank(*state, &nearly, 3, "collinear but for one pixel");
     check_rank(*state, &clump, 3, "two unlike clusters");
-    surface_points *all[] = {&one, &two, &row, &slant, &nearly, &clump};
-    for (size_t i = 0; i < 6; i++) surface_points_free(all[i]);
 }
 
 /* More points than the solver takes: merged, and said so. */
@@ -179,9 +167,6 @@ static void test_too_many(void **state) {
     assert_true(surface_error(&out, expected, (size_t)p.width * p.height) <= BOUND);
     assert_int_equal(report.merge_grid, 37);
     assert_in_range(report.points, 700, 1369);
-    free(expected);
-    rig_result_free(&out);
-    surface_points_free(&p);
 }
 
 /* The coarse grid costs what bilinear interpolation costs: against the spline itself, on the hill above. */
@@ -199,10 +184,7 @@ static void test_coarse_grid(void **state) {
         assert_true(error < 0.5 * before); /* second order: twice as fine, a quarter of the error or so */
         if (grid == 32) assert_true(error <= 0.3); /* docs/numerics.md */
         before = error;
-        rig_result_free(&out);
     }
-    free(expected);
-    surface_points_free(&p);
 }
 
 /*
@@ -221,10 +203,9 @@ static void check_grids(rig *r, const surface_points *p, const char *what) {
     const size_t count = (size_t)p->width * p->height;
     const sv_ref_map map = {.status = p->status, .depth = p->far_end, .width = p->width, .height = p->height};
     const surface_chain fine = {.method = SV_METHOD_SPLINE, .merge_grid = 8};
-    double *x = malloc(3 * count * sizeof *x), *expected = surface_expect(p, &fine);
+    double *x = unit_memory(3 * count * sizeof *x), *expected = surface_expect(p, &fine);
     rig_result out = rig_result_make(p->width, p->height);
     sv_ref_spline spline;
-    assert_non_null(x);
     const uint32_t n = sv_ref_merge(&map, 8, x, x + count, x + 2 * count);
     assert_true(sv_ref_spline_solve(x, x + count, x + 2 * count, n, 0.0, &spline));
     for (uint32_t grid = 16; grid <= 64; grid *= 2) {
@@ -237,9 +218,6 @@ static void check_grids(rig *r, const surface_points *p, const char *what) {
         if (grid == 32) assert_true(error <= 2.0); /* docs/numerics.md: depths of 60 slices */
     }
     sv_ref_spline_free(&spline);
-    rig_result_free(&out);
-    free(expected);
-    free(x);
 }
 
 static void test_coarse_grid_anywhere(void **state) {
@@ -249,8 +227,6 @@ static void test_coarse_grid_anywhere(void **state) {
         surface_points scattered = surface_scattered(sides[n], sides[n], 60, sides[n] * sides[n] / 33, 71);
         check_grids(*state, &patches, "patches");
         check_grids(*state, &scattered, "scattered");
-        surface_points_free(&patches);
-        surface_points_free(&scattered);
     }
 }
 
@@ -273,8 +249,6 @@ static void test_extension(void **state) {
     assert_int_equal(surface_run(r, &none, &chain, &out, &report), SV_NO_SURFACE);
     assert_int_equal(report.points, 0);
     assert_true(report.residual == 0.0f && report.condition == 1.0f);
-    rig_result_free(&out);
-    surface_points_free(&none);
 }
 
 UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_lapack), cmocka_unit_test(test_reference_solver),

@@ -46,7 +46,6 @@ static void test_any_volume(void **state) {
             const wall_shape *s = &shapes[n];
             uint8_t *volume = rig_volume((rig_kind)kind, s->width, s->height, s->slices, 77 + (uint32_t)n);
             (void)wall_compare(*state, s, volume, kinds[kind]);
-            free(volume);
         }
 }
 
@@ -67,16 +66,14 @@ static void test_spacings(void **state) {
         (void)snprintf(what, sizeof what, "%g, %g, %g mm", (double)s.spacing_mm[0], (double)s.spacing_mm[1],
                        (double)s.spacing_mm[2]);
         surfaces += wall_compare(*state, &s, volume, what);
-        free(volume);
     }
     assert_true(surfaces >= 6); /* or the test would prove little */
 }
 
 /* Ranges that differ from ray to ray, some of them empty: single blocks whose neighbours were not scanned. */
 static sv_scanned *ragged_ranges(uint32_t width, uint32_t height, uint32_t slices, uint32_t seed) {
-    sv_scanned *ranges = calloc((size_t)width * height, sizeof *ranges);
+    sv_scanned *ranges = unit_memory((size_t)width * height * sizeof *ranges);
     uint32_t random = seed * 2654435761u + 1;
-    assert_non_null(ranges);
     for (size_t i = 0; i < (size_t)width * height; i++) {
         const uint32_t first = surface_random(&random) % (slices / 8 + 1);
         const uint32_t end = slices - surface_random(&random) % (slices / 8 + 1);
@@ -111,8 +108,6 @@ static void test_single_voxels(void **state) {
                                   .scanned = kind > 0 ? ranges : NULL};
             surfaces += wall_compare(*state, &s, volume, "blocks of one voxel");
         }
-        free(ranges);
-        free(volume);
     }
     assert_true(surfaces >= 18);
 }
@@ -127,16 +122,14 @@ static void test_bone_at_once(void **state) {
                           .padding = SV_NO_PADDING,
                           .spacing_mm = {0.9f, 0.9f, 0.9f}};
     const size_t plane = (size_t)s.width * s.height;
-    uint8_t *volume = malloc(plane * s.slices);
+    uint8_t *volume = unit_memory(plane * s.slices);
     uint32_t random = 7;
-    assert_non_null(volume);
     for (size_t i = 0; i < plane * s.slices; i++) {
         const size_t x = i % s.width, z = i / plane;
         const int level = x >= 50 || z >= 48 ? 245 : z >= 8 && z < 16 ? 100 : 5;
         volume[i] = (uint8_t)(level + (int)(surface_random(&random) % 10));
     }
     assert_true(wall_compare(*state, &s, volume, "bone at once"));
-    free(volume);
 }
 
 static void test_layered_noise(void **state) {
@@ -147,7 +140,6 @@ static void test_layered_noise(void **state) {
         for (int axis = 0; axis < 3; axis++) s.spacing_mm[axis] = 0.5f + 0.3f * (float)n;
         uint8_t *volume = wall_layered_noise(s.width, s.height, s.slices, 12, 14, n);
         surfaces += wall_compare(*state, &s, volume, "layered noise");
-        free(volume);
     }
     assert_true(surfaces >= 5);
 }
@@ -172,9 +164,7 @@ static void assert_ranges_are_padding(rig *r, uint8_t *volume, const sv_scanned 
         wall_expected e = wall_expect(all[n], volume, false);
         assert_memory_equal(e.depth[0], first.depth[0], plane * sizeof(float));
         assert_true(wall_compare(r, all[n], volume, "ranges or padding"));
-        wall_expected_free(&e);
     }
-    wall_expected_free(&first);
 }
 
 /* A box that is scanned, seen from an edge: around it, before it and behind it nothing was. Rows and vectors
@@ -196,7 +186,6 @@ static void test_turned_box(void **state) {
         const wall_shape s = {W, H, D, i % 2 ? 7 : D, SV_NO_PADDING, {mm[i], mm[i], mm[i]}, ranges, NULL};
         assert_true(wall_compare(*state, &s, volume, "a turned box"));
     }
-    free(volume);
 }
 
 /* Ranges of a fan, with rays that were not scanned, with and without a padding value besides. */
@@ -223,7 +212,6 @@ static void test_ranges(void **state) {
     memset(ranges, 0, sizeof ranges);
     const wall_shape none = {W, H, D, 10, SV_NO_PADDING, {0}, ranges, NULL};
     assert_false(wall_compare(*state, &none, volume, "nothing was scanned"));
-    free(volume);
     hs_scene_free(&data);
 }
 

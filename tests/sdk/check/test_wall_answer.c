@@ -39,7 +39,6 @@ static void test_confidence_of_a_doubtful_ray(void **state) {
         /* p is looked up for whole levels of odds, and costs are integers of 1/128. */
         assert_true(fabs(s.confidence[i] - expected) < 0.01);
     }
-    scan_free(&s);
 }
 
 /* A cost of 5.5 halves the confidence. In a layer as bright as the threshold 1 is added, in one twice as
@@ -64,8 +63,6 @@ static void test_bright_fluid_is_less_sure(void **state) {
         const double less = (double)(dark.confidence[i] - hazy.confidence[i]);
         assert_true(less > 0.01 && less < 0.04);
     }
-    scan_free(&dark);
-    scan_free(&hazy);
 }
 
 /* Layers of 2 mm: two slices each, so that no level is smoothed along the rays. */
@@ -106,7 +103,6 @@ static void test_near_field_is_no_fluid(void **state) {
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] > 23.0f && s.depth[i] <= 40.0f);
     run_layers(&s, levels, 0, 5, NULL);
     assert_int_equal(s.facts.wall_rays, 0);
-    scan_free(&s);
 }
 
 /* Half of the rays must begin so: on fewer rays it is fluid, as in front of a limb near the probe. */
@@ -118,7 +114,6 @@ static void test_near_field_is_broad(void **state) {
     assert_int_equal(s.facts.wall_rays, s.facts.rays);
     run_layers(&s, levels, N * 55 / 100, 2, NULL);
     assert_in_range(s.facts.wall_rays, s.facts.rays / 2, s.facts.rays * 6 / 10);
-    scan_free(&s);
 }
 
 /* The first 5.5 mm of a wall are skin, which may be much brighter: three layers, but not four. */
@@ -139,7 +134,6 @@ static void test_skin_tells_nothing(void **state) {
     levels[0] = BONE + 40;
     run_layers(&s, levels, N, 0, NULL);
     assert_true(fabs(s.facts.wall - (MUSCLE + FLUID) / 2.0) < 1.0);
-    scan_free(&s);
 }
 
 /* Four layers of level `front`, a gap of `gap` dark layers, the fetus, and `elsewhere` dark layers in it. */
@@ -179,7 +173,6 @@ static void test_surface_lies_in_what_is_dark(void **state) {
     run_gap(&s, 2, 15, MUSCLE, false);
     assert_int_equal(s.outcome, SV_WALL_NO_FLUID);
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
-    scan_free(&s);
 }
 
 /* Out of 1000 dark blocks, so many lie in gaps: what is said after an outcome of the frame before. */
@@ -241,7 +234,6 @@ static uint8_t relate_first_layer(uint32_t muscle) {
     assert_true(sv_wall_relate_levels(&l, &known, &blocks));
     relative = blocks.relative[(size_t)(l.rows / 2) * l.columns + l.columns / 2];
     sv_wall_blocks_destroy(&blocks);
-    scan_free(&s);
     return relative;
 }
 
@@ -268,7 +260,6 @@ static void test_dim_front_is_no_wall(void **state) {
     /* Below 0.4 of the threshold it is dark; 8 mm of that are no near field. */
     run_gap(&s, 8, 2, (uint8_t)(0.3 * threshold_at(MUSCLE)), false);
     assert_int_equal(s.facts.wall_rays, 0);
-    scan_free(&s);
 }
 
 /* The darkest fifth of all blocks is as dark as fluid: of 32 layers, the seven of the gap that hold it, and
@@ -285,7 +276,6 @@ static void test_darkest_fifth(void **state) {
         put(levels, &at, LAYERS, MUSCLE);
         run_layers(&s, levels, N, 0, NULL);
         assert_true(fabs(s.facts.gap_share - (gap == 7 ? 1.0 : 5.0 / 8.0)) < 1e-9);
-        scan_free(&s);
     }
 }
 

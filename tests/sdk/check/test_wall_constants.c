@@ -28,22 +28,16 @@ static void make(model *m, uint32_t across, uint32_t down, uint32_t layers, cons
     m->blocks = (sv_wall_blocks){.columns = 2 * across,
                                  .rows = 2 * down,
                                  .layers = layers,
-                                 .means = calloc(rays, layers),
-                                 .levels = calloc(rays, layers),
-                                 .relative = calloc(rays, layers),
-                                 .first = calloc(rays, sizeof(uint16_t)),
-                                 .end = calloc(rays, sizeof(uint16_t)),
+                                 .means = unit_memory((size_t)rays * layers),
+                                 .levels = unit_memory((size_t)rays * layers),
+                                 .relative = unit_memory((size_t)rays * layers),
+                                 .first = unit_memory(rays * sizeof(uint16_t)),
+                                 .end = unit_memory(rays * sizeof(uint16_t)),
                                  .rays = rays};
-    m->brightness = calloc(rays / 4, layers);
-    m->surroundings = calloc(rays / 4, layers);
+    m->brightness = unit_memory((size_t)rays / 4 * layers);
+    m->surroundings = unit_memory((size_t)rays / 4 * layers);
     for (uint32_t i = 0; i < rays; i++) m->blocks.end[i] = (uint16_t)layers;
     m->scan = (sv_wall_scan){&m->layout, &m->blocks, m->brightness, m->surroundings};
-}
-
-static void drop(model *m) {
-    sv_wall_blocks_destroy(&m->blocks);
-    free(m->brightness);
-    free(m->surroundings);
 }
 
 /* Gives the four rays of the cell in column `x` of the first row, layers from .. to - 1, a level. */
@@ -85,7 +79,6 @@ static void a_twentieth_is_darker(void **state) {
     const sv_wall_levels levels = sv_wall_levels_of(&m.layout, histogram);
     assert_true(levels.two);
     assert_int_equal(levels.dark, 10 * SV_WALL_LEVEL_ONE);
-    drop(&m);
 }
 
 /* The middle cell sees all 264 blocks in its window, whose level is 64. A twentieth of the window's 4 * 11^3
@@ -100,7 +93,6 @@ static void all_that_is_bright_weighs_a_twentieth(void **state) {
     for (uint32_t x = 0; x < CELLS; x++) fill(&m, m.blocks.levels, x, 0, LAYERS, 64);
     assert_true(sv_wall_relate_levels(&m.layout, &known, &m.blocks));
     assert_near(m.blocks.relative[MIDDLE], 126.9, 1.5);
-    drop(&m);
 }
 
 /* 0.4 of the threshold is 51.2 of 128. */
@@ -112,7 +104,6 @@ static void a_front_is_dim_from_two_fifths_on(void **state) {
     sv_wall_fill_dim_fronts(&m.layout, &m.blocks);
     assert_int_equal(m.blocks.relative[0], 51);
     assert_int_equal(m.blocks.relative[2], SV_WALL_DIM_TISSUE);
-    drop(&m);
 }
 
 /* ----------------------------------------------------------------------------------------- the wall -- */
@@ -126,7 +117,6 @@ static void brightness_reaches_two_cells(void **state) {
     assert_non_null(map);
     assert_true(map[1] == 0 && map[2] == 90 && map[6] == 90 && map[7] == 0);
     free(map);
-    drop(&m);
 }
 
 static double odds(double level) {
@@ -161,7 +151,6 @@ static void the_wall_is_the_median_and_its_spread_that_of_the_deciles(void **sta
     const double later = (odds(150) - odds(80.5)) / spread, first = (odds(220) - odds(80.5)) / spread;
     assert_near(as_p(e.later_run[150]), logistic(6.0 * (later - 0.4)), 0.01);  /* 0.77 */
     assert_near(as_p(e.first_run[220]), logistic(6.0 * (first - 1.35)), 0.01); /* 0.55 */
-    drop(&m);
 }
 
 /* Of 100 cells, so many begin with a wall; behind the first run comes fluid. */
@@ -174,7 +163,6 @@ static sv_wall_evidence evidence_of_walls(uint32_t walls) {
     memset(m.brightness, 90, CELLS * LAYERS);
     for (uint32_t x = 0; x < walls; x++) fill(&m, m.blocks.relative, x, 0, 5, TISSUE);
     sv_wall_evidence_of(&m.scan, &levels, &e);
-    drop(&m);
     return e;
 }
 
@@ -201,7 +189,6 @@ static uint8_t flags_beside(uint32_t p, size_t rays) {
     assert_non_null(map);
     const uint8_t flags = map[MIDDLE] & (SV_WALL_FLANKED | SV_WALL_ONE_SIDE);
     free(map);
-    drop(&m);
     return flags;
 }
 
@@ -243,7 +230,6 @@ static void costs_behind_wall(uint8_t level, double cost[DEEP]) {
     fill(&m, m.blocks.relative, 0, 5, 10, level);
     put_tissue(&m, 10, DEEP, BRIGHT_CELL);
     costs_of(&m, cost);
-    drop(&m);
 }
 
 /* A layer of distance to the fluid costs 2 mm / 7 mm, four cost 1. To leave the wall costs nothing, to cut
@@ -271,7 +257,6 @@ static double cost_between(uint8_t level) {
     put_tissue(&m, 10, DEEP, BRIGHT_CELL);
     costs_of(&m, cost);
     assert_near(cost[4], 8.0, COST_STEP); /* the thin run is left, if it is one */
-    drop(&m);
     return cost[8];
 }
 
@@ -306,7 +291,6 @@ static void one_side_weighs_three_tenths(void **state) {
     memset(m.surroundings, SV_WALL_FLANKED, DEEP);
     costs_of(&m, cost);
     assert_near(cost[7], 15.0, COST_STEP);
-    drop(&m);
 }
 
 enum { ACROSS = 32, PIXELS = 4 * ACROSS };
@@ -324,7 +308,6 @@ static void select_surface(row_of_cells *r, const sv_wall_settings *settings) {
     assert_true(sv_wall_select_surface(&m.scan, &(sv_wall_levels){.two = true},
                                        &(sv_wall_costs){.all = &r->cost[0][0]}, NULL, r->depth, r->confidence,
                                        &gaps, &outcome));
-    drop(&m);
 }
 
 /* Layer 5 costs nothing, the two behind it a quarter, all others 2. Below 0.5 they weigh 2 : 1 : 1, so the

@@ -26,7 +26,6 @@ static void test_stands_between_wall_and_fetus(void **state) {
             assert_true(s.confidence[y * N + x] > 0.9f);
         }
     assert_in_range(rays, 200, 600);
-    scan_free(&s);
 }
 
 /* Scans `from` through a permutation of its pixels. */
@@ -53,7 +52,6 @@ static void assert_turned(const scan *from, bool mirror_x, bool mirror_y, bool t
             assert_memory_equal(&s.depth[here], &from->depth[there], sizeof(float));
             assert_memory_equal(&s.confidence[here], &from->confidence[there], sizeof(float));
         }
-    scan_free(&s);
 }
 
 /* A picture of 63 x 50 pixels is no whole number of cells: the cells must still be laid the same from both
@@ -68,7 +66,6 @@ static void test_mirrored_and_transposed(void **state) {
         assert_turned(&s, true, false, false);
         assert_turned(&s, false, true, false);
         assert_turned(&s, false, false, true);
-        scan_free(&s);
     }
 }
 
@@ -84,8 +81,6 @@ static void test_room_in_front_moves_it(void **state) {
         assert_true(fabsf(far.depth[i] - s.depth[i] - ROOM) < 1e-4f);
         assert_memory_equal(&far.confidence[i], &s.confidence[i], sizeof(float));
     }
-    scan_free(&s);
-    scan_free(&far);
 }
 
 static double mean_change(const scan *a, const scan *b, uint32_t moved_x) {
@@ -107,8 +102,6 @@ static void test_moved_by_a_pixel(void **state) {
     const double change = mean_change(&s, &moved, 1);
     printf("one pixel sideways: %.3f slices\n", change);
     assert_true(change <= 0.2);
-    scan_free(&s);
-    scan_free(&moved);
 }
 
 static void test_grey_levels(void **state) {
@@ -129,9 +122,7 @@ static void test_grey_levels(void **state) {
                changes[i][2], change);
         assert_int_equal(other.outcome, SV_WALL_SURFACE);
         assert_true(change <= 0.5);
-        scan_free(&other);
     }
-    scan_free(&s);
 }
 
 /* Without tissue in front of the fetus none of the fetus may be cut. */
@@ -143,7 +134,6 @@ static void test_bare_fetus(void **state) {
     for (uint32_t y = 0; y < N; y++)
         for (uint32_t x = 0; x < N; x++)
             if (skin(x, y) < GAP + 6) assert_true(s.depth[y * N + x] <= (float)skin(x, y));
-    scan_free(&s);
 }
 
 /* A bare fetus is not cut if its skin is dim and the tissue behind is bright, as with a head in black fluid:
@@ -161,7 +151,6 @@ static void test_bare_and_dim(void **state) {
     assert_int_equal(s.outcome, SV_WALL_OPEN);
     assert_true(s.facts.gap_share < 0.12);
     for (size_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
-    scan_free(&s);
 }
 
 /* Flesh begins where the scan does, with dark shadows beside it and a hollow in it: there is no wall, and no
@@ -178,7 +167,6 @@ static void test_touching(void **state) {
     printf("begins in a wall: %.1f %%\n", 100.0 * s.facts.wall_rays / s.facts.rays);
     for (uint32_t y = 4; y < N - 4; y++)
         for (uint32_t x = N / 2 + 4; x < N - 4; x++) assert_true(s.depth[y * N + x] < 2.0f);
-    scan_free(&s);
 }
 
 /* Runs the scan and checks that the outcome is `expected` and the maps are 0. */
@@ -199,7 +187,6 @@ static void test_no_fluid(void **state) {
                 s.voxels[at(&s, x, y, z)] = (uint8_t)(level * grain(x, y, z));
             }
     assert_clips_nothing(&s, SV_WALL_NO_FLUID);
-    scan_free(&s);
 }
 
 /* The scene with fluid from dark at one side to more than half as bright as tissue at the other. */
@@ -226,7 +213,6 @@ static void test_haze(void **state) {
         for (uint32_t x = 0; x < N; x++)
             if (skin(x, y) < GAP + 6)
                 assert_true(s.depth[y * N + x] > WALL - 1.0f && s.depth[y * N + x] <= (float)skin(x, y));
-    scan_free(&s);
 }
 
 /* Voxels are as long as a block, each with speckle of its own. Dark ones do not split the wall. */
@@ -240,7 +226,6 @@ static void test_speckle(void **state) {
     uint32_t rays = 0;
     for (size_t i = 0; i < PIXELS; i++) rays += s.depth[i] > WALL - 1.0f;
     assert_in_range(rays, PIXELS * 98 / 100, PIXELS);
-    scan_free(&s);
 }
 
 /* An empty sac: the surface lies in it, behind the wall and before the back. */
@@ -250,7 +235,6 @@ static void test_no_fetus(void **state) {
     scan_run(&s);
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
     for (size_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] > WALL - 1.0f && s.depth[i] < 58.0f);
-    scan_free(&s);
 }
 
 /* The wall is brighter than all behind it, and the body has no bone: nobody knows what to keep, so nothing
@@ -262,7 +246,6 @@ static void test_nothing_brighter_than_the_wall(void **state) {
         s.voxels[i] = (uint8_t)(i < (size_t)PIXELS * WALL ? 200 : s.voxels[i] > 60 ? 60 : s.voxels[i]);
     assert_clips_nothing(&s, SV_WALL_NO_FETUS);
     assert_true(s.facts.fetus < 0.01);
-    scan_free(&s);
 }
 
 static void test_empty(void **state) {
@@ -272,9 +255,6 @@ static void test_empty(void **state) {
     assert_clips_nothing(&black, SV_WALL_EMPTY);
     assert_clips_nothing(&outside, SV_WALL_EMPTY);
     assert_clips_nothing(&flat, SV_WALL_EMPTY);
-    scan_free(&black);
-    scan_free(&flat);
-    scan_free(&outside);
 }
 
 static void test_small(void **state) {
@@ -283,7 +263,6 @@ static void test_small(void **state) {
         scan s = scan_make(sizes[i][0], sizes[i][1], sizes[i][2]);
         draw(&s, WALL, GAP, true);
         scan_run(&s);
-        scan_free(&s);
     }
 }
 
@@ -298,8 +277,6 @@ static void test_unscanned_rays(void **state) {
     const double change = mean_change(&s, &holes, 0);
     printf("a pixel in every 7 x 7 not scanned: %.3f slices\n", change);
     assert_true(change <= 1.0);
-    scan_free(&s);
-    scan_free(&holes);
 }
 
 static void test_everything_scanned(void **state) {
@@ -312,7 +289,6 @@ static void test_everything_scanned(void **state) {
         sv_wall_surface(&v, NULL, depth, confidence, &outcome, NULL)); /* 120 mm / 64 is this spacing */
     assert_memory_equal(depth, s.depth, sizeof depth);
     assert_memory_equal(confidence, s.confidence, sizeof confidence);
-    scan_free(&s);
 }
 
 static void assert_refused(sv_wall_volume v, const char *field, const char *value) {
@@ -339,7 +315,6 @@ static void test_confidence_is_in_range(void **state) {
         assert_true(sv_wall_surface(&v, NULL, s.depth, s.confidence, &s.outcome, NULL));
         assert_int_equal(s.outcome, SV_WALL_SURFACE);
         for (size_t i = 0; i < plane; i++) assert_true(s.confidence[i] >= 0.0f && s.confidence[i] <= 1.0f);
-        scan_free(&s);
     }
 }
 

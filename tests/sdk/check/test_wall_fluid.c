@@ -24,7 +24,6 @@ static void test_fading_tissue(void **state) {
     printf("fading: gap share %.2f\n", s.facts.gap_share);
     assert_true(s.facts.wall_rays < s.facts.rays * 8 / 10);
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
-    scan_free(&s);
 }
 
 enum { BLADDER = 6, BACK = 12, SAC = 22, DEEPER = 6 };
@@ -58,7 +57,6 @@ static void test_bladder(void **state) {
             rays++;
         }
     assert_in_range(rays, 200, 600);
-    scan_free(&s);
 }
 
 /* Returns the flags of the middle of five by five cells, each of two by two rays. All is wall but the cells
@@ -120,7 +118,6 @@ static void test_finger(void **state) {
     const float above = s.depth[Y * N + X], beside = s.depth[Y * N + X + 4];
     printf("finger: tip in slice %u, surface %.2f, beside it %.2f\n", tip, (double)above, (double)beside);
     assert_true(above > WALL && above <= (float)tip && beside > (float)tip);
-    scan_free(&s);
 }
 
 enum { LIMB_FROM = 17, LIMB_TO = 28, LIMB_LEVEL = 99 };
@@ -147,7 +144,6 @@ static uint32_t rays_behind_limb(uint32_t from, uint32_t to, const sv_wall_setti
     uint32_t rays = 0;
     for (uint32_t y = 28; y < 36; y++)
         for (uint32_t x = 28; x < 36; x++) rays += s.depth[y * N + x] >= LIMB_TO - 1;
-    scan_free(&s);
     return rays;
 }
 
@@ -180,7 +176,6 @@ static uint32_t rays_before_line(double level, const sv_wall_settings *settings)
     for (uint32_t y = 31; y < 39; y++)
         for (uint32_t x = 22; x < 30; x++) rays += s.depth[y * N + x] <= LINE;
     printf("line before %.0f: %u of 64 rays are clipped in front of it\n", level, rays);
-    scan_free(&s);
     return rays;
 }
 

@@ -23,8 +23,7 @@ static double share_of(uint32_t n) {
 /* A wall, a gap of five dark layers, bone, and dark layers in the fetus: so many that the gap has the share.
  * As layers are whole, some of the columns have one more. */
 static uint8_t *volume_of(double share) {
-    uint8_t *volume = malloc((size_t)PIXELS * N);
-    assert_non_null(volume);
+    uint8_t *volume = unit_memory((size_t)PIXELS * N);
     const double elsewhere = GAP_LAYERS / share - GAP_LAYERS;
     for (uint32_t i = 0; i < PIXELS; i++) {
         const uint32_t more = i % N < (elsewhere - floor(elsewhere)) * N;
@@ -65,9 +64,6 @@ static void run_unsure(rig *r, uint32_t n) {
     stage *t = rig_stage(r, &f, volume);
     rig_result out = rig_result_make(N, N);
     assert_int_equal(rig_frame(r, t, &clip, 1, &out), SV_OK);
-    rig_result_free(&out);
-    rig_stage_free(t);
-    free(volume);
 }
 
 /* Runs the frame on an active plugin, and compares it with the definition after `last`. */
@@ -91,9 +87,6 @@ static sv_wall_outcome run_frame(rig *r, uint32_t n, uint32_t flags, sv_wall_out
         assert_true(fabs((double)report.wanted - facts.wanted) < 1e-6);
         assert_true(report.found < report.wanted);
     }
-    rig_result_free(&out);
-    rig_stage_free(t);
-    free(volume);
     return expected;
 }
 
@@ -109,8 +102,6 @@ static void begin(rig *r, const char *strategy) {
     stage *t = rig_stage(r, &f, volume);
     memcpy(t->format.spacing_mm, spacing, sizeof spacing);
     assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
-    rig_stage_free(t);
-    free(volume);
 }
 
 /* Counts how often the answer changes. `flags`: of every frame. */

@@ -145,7 +145,6 @@ static void a_comma_stays_outside(void **state) {
         .width = 24, .height = 16, .slices = 16, .slab_slices = 8, .padding = SV_NO_PADDING};
     uint8_t *volume = rig_volume(RIG_LAYERS, 24, 16, 16, 9);
     stage *t = rig_stage(r, &f, volume);
-    free(volume);
     const sv_plugin *p = r->plugin;
     assert_int_equal(p->activate(p, &t->format), SV_OK);
     const char *const seconds =
@@ -158,7 +157,6 @@ static void a_comma_stays_outside(void **state) {
     assert_int_equal(p->begin(p, &frame), SV_ERR_PARAM_RANGE);
     assert_string_equal(p->last_error(p), "begin: q is 7.25, expected 0 to 1.5");
     p->deactivate(p);
-    rig_stage_free(t);
     (void)setlocale(LC_ALL, "C");
     (void)snprintf(command, sizeof command, "rm -rf %s", folder);
     assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */

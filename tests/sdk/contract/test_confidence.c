@@ -37,8 +37,6 @@ static stage *finish_frame(rig *r, double method, bool own_queue, rig_result *ou
 
 static void finish(rig *r, stage *t, rig_result *out) {
     r->plugin->deactivate(r->plugin);
-    rig_stage_free(t);
-    rig_result_free(out);
 }
 
 /* It differs from place to place, or a comparison would say little. */

@@ -34,8 +34,6 @@ static int close_examples(void **state) {
     examples *e = *state;
     rig_close(&e->cpu);
     rig_close(&e->kernels);
-    rig_result_free(&e->a);
-    rig_result_free(&e->b);
     return 0;
 }
 
@@ -67,8 +65,7 @@ static void assert_depth(const examples *e, uint32_t ray, double expected) {
 }
 
 static uint8_t *layers(uint32_t near, uint32_t far) {
-    uint8_t *volume = malloc(SLICES * RAYS);
-    assert_non_null(volume);
+    uint8_t *volume = unit_memory(SLICES * RAYS);
     for (uint32_t i = 0; i < SLICES * RAYS; i++) {
         const uint32_t z = i / RAYS;
         volume[i] = z < near || z >= far ? 150 : 10;
@@ -96,7 +93,6 @@ static void depth_follows_q(void **state) {
         assert_int_equal(e->a.stats.points, RAYS);
         assert_int_equal(e->a.stats.rays, RAYS);
     }
-    free(volume);
 }
 
 /* A ray alone with another depth, or without one, takes that of its neighbours. */
@@ -114,7 +110,6 @@ static void outliers_and_holes(void **state) {
     assert_int_equal(e->a.status[hole], SV_POINT_NONE);
     assert_int_equal(e->a.status[outlier], SV_POINT_INITIAL);
     assert_int_equal(e->a.stats.points, RAYS - 1);
-    free(volume);
 }
 
 /* Columns 0 .. 5 are fluid all along: pixels further than two columns from an edge have no surface. */
@@ -131,7 +126,6 @@ static void a_part_without_surface(void **state) {
     assert_int_equal(run(&e->cpu, &f, volume, NULL, NULL, 0, &e->a), SV_NO_SURFACE);
     assert_int_equal(e->a.stats.unfilled, RAYS);
     for (uint32_t i = 0; i < RAYS; i++) assert_depth(e, i, 0.0);
-    free(volume);
 }
 
 /* The gap is in millimetres: 8 slices of 1.5 mm are fluid enough for 12 mm, and not for 12.5. */
@@ -143,7 +137,6 @@ static void gap_in_millimetres(void **state) {
     assert_int_equal(run(&e->cpu, &f, volume, NULL, &gap, 1, &e->a), SV_OK);
     gap.value = 12.5;
     assert_int_equal(run(&e->cpu, &f, volume, NULL, &gap, 1, &e->a), SV_NO_SURFACE);
-    free(volume);
 }
 
 /* What was not scanned is skipped: with ranges that begin in the fluid no ray has tissue before it, and black
@@ -161,7 +154,6 @@ static void only_what_was_scanned(void **state) {
     assert_int_equal(run(&e->cpu, &f, volume, ranges, NULL, 0, &e->a), SV_NO_SURFACE);
     f.padding = 10;
     assert_int_equal(run(&e->cpu, &f, volume, NULL, NULL, 0, &e->a), SV_NO_SURFACE);
-    free(volume);
 }
 
 /* ---- the two are equal */
@@ -209,7 +201,6 @@ static void kernels_equal_the_cpu(void **state) {
             ranges[i] = (sv_scanned){(uint16_t)((i * 7 + n) % 5), (uint16_t)(SLICES - i * 3 % 9)};
         (void)snprintf(what, sizeof what, "volume %u", n);
         compare(e, &f, volume, n / 6 % 2 ? ranges : NULL, values, 3, what);
-        free(volume);
     }
 }
 
@@ -241,9 +232,7 @@ static void adjust_equals_a_frame(void **state) {
         assert_true(p->adjust(p, NULL, 0, &result) >= SV_OK); /* what is not listed is as in the frame */
         assert_memory_equal(e->b.depth, e->a.depth, sizeof expected);
         p->deactivate(p);
-        rig_stage_free(t);
     }
-    free(volume);
 }
 
 /* ---- refusals of author_cl.h */
@@ -290,8 +279,6 @@ static void buffers_that_end_too_early(void **state) {
     assert_int_equal(clFinish(r->queue), CL_SUCCESS);
     assert_int_equal(clReleaseMemObject(map), CL_SUCCESS);
     p->deactivate(p);
-    rig_stage_free(t);
-    free(volume);
 }
 
 /* A build error names file and line of the kernel, in the reason and in the log, which gets a line at a time
@@ -310,8 +297,6 @@ static void build_errors_name_lines(void **state) {
     assert_true(r->log_lines > lines + 2);
     assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
     r->plugin->deactivate(r->plugin);
-    rig_stage_free(t);
-    free(volume);
 }
 
 UNIT_MAIN(open_examples, close_examples, cmocka_unit_test(depth_follows_q),

@@ -82,8 +82,8 @@ static void frames_are_quiet(void **state) {
     watch(f);
     cl_int code = CL_SUCCESS;
     cl_mem buffer = clCreateBuffer(f->r.context, CL_MEM_READ_WRITE, FIXTURE_RAYS * 4, NULL, &code);
-    float *wide = malloc(FIXTURE_HEIGHT * 256);
-    assert_true(code == CL_SUCCESS && wide);
+    float *wide = unit_memory(FIXTURE_HEIGHT * 256);
+    assert_int_equal(code, CL_SUCCESS);
     static const double methods[] = {0.0, 7.0}; /* mean; wall, which takes the slabs */
     for (uint32_t n = 0; n < 2 * sizeof ways / sizeof *ways; n++)
         for (uint32_t strategy = 1; strategy <= 3; strategy++) {
@@ -103,7 +103,6 @@ static void frames_are_quiet(void **state) {
             f->r.plugin->deactivate(f->r.plugin);
             assert_int_equal(spy_live(), 0);
         }
-    free(wide);
     assert_int_equal(clReleaseMemObject(buffer), CL_SUCCESS);
 }
 

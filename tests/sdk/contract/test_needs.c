@@ -95,8 +95,7 @@ static void holds(rig *r, const setting *s) {
     }
     (void)snprintf(name, sizeof name, "%s, %s, %u x %u x %u in slabs of %u", s->method, s->strategy, s->width,
                    s->height, s->slices, s->slab_slices);
-    uint8_t *volume = calloc((size_t)s->width * s->height, s->slices);
-    assert_non_null(volume);
+    uint8_t *volume = unit_memory((size_t)s->width * s->height * s->slices);
     stage *t = rig_stage(r, &how, volume);
     rig_result out = rig_result_make(s->width, s->height);
     const sv_plugin *p = r->plugin;
@@ -132,9 +131,6 @@ static void holds(rig *r, const setting *s) {
     assert_int_equal(clFinish(r->queue), CL_SUCCESS);
     p->deactivate(p);
     assert_int_equal(spy_live(), 0);
-    rig_result_free(&out);
-    rig_stage_free(t);
-    free(volume);
 }
 
 static void told_is_taken(void **state) {

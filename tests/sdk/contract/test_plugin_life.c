@@ -40,8 +40,6 @@ static void another_format_after_another(void **state) {
         const rig_format large = {.width = 90, .height = 50, .slices = 12, .padding = 0};
         rig_result out = rig_result_make(90, 50);
         assert_true(rig_run(&f->r, &large, volume, NULL, 0, &out) >= 0);
-        rig_result_free(&out);
-        free(volume);
         fixture_use(f, ways[n]);
         fixture_frame_is_good(f);
         f->r.plugin->deactivate(f->r.plugin);
@@ -75,7 +73,6 @@ static int child_without_device(void) {
         if (r.last_severity != SV_LOG_ERROR) code = 7;
     }
     if (code) (void)fprintf(stderr, "%s\n", p->last_error(p));
-    rig_stage_free(t);
     rig_close_library(&r);
     return code;
 }

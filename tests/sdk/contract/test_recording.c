@@ -52,7 +52,6 @@ static void close_scene(scene *s) {
     assert_string_equal(rec_why(s->recording), "");
     rec_close(s->recording);
     s->recording = NULL;
-    free(s->volume);
 }
 
 /* `frames` frames of the volume, handed over this way; in host memory the first voxel tells which. */
@@ -91,7 +90,6 @@ static void record_frames(scene *s, rig_format how, uint32_t frames) {
         CALL(s, RC_END, p->end(p, &result), .result = &result);
     }
     CALL(s, RC_DEACTIVATE, (p->deactivate(p), SV_OK), );
-    rig_stage_free(t);
 }
 
 /* What a recording holds. */
@@ -170,7 +168,6 @@ static void carriers_come_back(void **state) {
             }
         assert_int_equal(ends, 2);
         rec_reader_close(reader);
-        free(s.volume);
         (void)remove(s.path);
     }
 }
@@ -208,7 +205,6 @@ static void an_old_one_is_read(void **state) {
     const census c = read_all(s.path, &s);
     if (!c.whole) fail_msg("%s", c.error);
     assert_int_equal(c.frames, 2);
-    free(s.volume);
     (void)remove(s.path);
 }
 
@@ -231,7 +227,6 @@ static void a_ring_keeps_the_last(void **state) {
         assert_int_equal(c.first_index, frames[i] - expected);
         assert_int_equal(c.kinds[RC_ACTIVATE], 1);
         assert_int_equal(c.plugins, 1);
-        free(s.volume);
         (void)remove(s.path);
     }
 }
@@ -242,7 +237,7 @@ static size_t read_file(const char *path, uint8_t **bytes) {
     assert_int_equal(fseek(f, 0, SEEK_END), 0);
     const size_t size = (size_t)ftell(f);
     rewind(f);
-    *bytes = malloc(size);
+    *bytes = unit_memory(size);
     assert_int_equal(fread(*bytes, 1, size, f), size);
     (void)fclose(f);
     return size;
@@ -299,7 +294,6 @@ static void what_is_not_whole_is_told(void **state) {
     (void)remove(s.path);
     assert_null(rec_reader_open(s.path, error, sizeof error));
     assert_non_null(strstr(error, "No such file"));
-    free(bytes);
 }
 
 /* A fork writes nothing into the recording. host_sim forks to compile a plugin's kernels beside its own. */
@@ -324,8 +318,6 @@ static void a_fork_adds_nothing(void **state) {
     close_scene(&s);
     const census c = read_all(s.path, NULL);
     if (!c.whole) fail_msg("%s", c.error);
-    free(before);
-    free(after);
     (void)remove(s.path);
 }
 

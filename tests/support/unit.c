@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+#include "support/unit.h"
+
+typedef struct kept {
+    const struct kept *before;
+    void (*give_back)(void *what);
+    void *what;
+} kept;
+static const kept *last, *first_of_test;
+
+void unit_keep(void (*give_back)(void *what), void *what) {
+    kept *k = malloc(sizeof *k);
+    if (!k) abort();
+    *k = (kept){last, give_back, what};
+    last = k;
+}
+
+void *unit_memory(size_t bytes) {
+    void *memory = calloc(1, bytes);
+    if (!memory) abort();
+    unit_keep(free, memory);
+    return memory;
+}
+
+const void *unit_mark(void) {
+    return last;
+}
+
+void unit_return(const void *mark) {
+    while (last && last != mark) {
+        const kept *k = last;
+        last = k->before;
+        k->give_back(k->what);
+        free((void *)(uintptr_t)k);
+    }
+}
+
+int unit_begin(void **state) {
+    first_of_test = last;
+    return 0;
+}
+
+int unit_end(void **state) {
+    unit_return(first_of_test);
+    return 0;
+}
