@@ -17,12 +17,17 @@ from ._errors import FileError, OutputError
 
 _lock = threading.Lock()  # one question at a time
 _child: subprocess.Popen[bytes] | None = None
-_owner: tuple[int, dict[str, str]] = (0, {})  # the process that started it, and its variables then
+_owner: tuple[int, dict[str, str]] = (0, {})  # the process that started it, and what led its host and plugin then
+
+
+def _now() -> tuple[int, dict[str, str]]:
+    ours = ("SMARTVIS_", "OCL_", "POCL_", "PATH")
+    return os.getpid(), {name: value for name, value in os.environ.items() if name.startswith(ours)}
 
 
 def _start() -> subprocess.Popen[bytes]:
     global _child, _owner  # one of them serves the process
-    if _child is None or _child.poll() is not None or _owner != (os.getpid(), dict(os.environ)):
+    if _child is None or _child.poll() is not None or _owner != _now():
         if _child is not None and _owner[0] == os.getpid() and _child.stdin is not None:
             _child.stdin.close()
             _child.wait()
@@ -32,7 +37,7 @@ def _start() -> subprocess.Popen[bytes]:
         _child = subprocess.Popen(
             [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment
         )
-        _owner = (os.getpid(), dict(os.environ))
+        _owner = _now()
     return _child
 
 
