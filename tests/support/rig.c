@@ -33,12 +33,24 @@ static void open_device(rig *r) {
     shared_programs_begin(r->context);
 }
 
+static void release(void *object) {
+    (void)clReleaseMemObject(object);
+}
+
+cl_mem rig_keep(cl_mem object) {
+    if (!object) stop("OpenCL", "no object");
+    unit_keep(release, object);
+    return object;
+}
+
+cl_mem rig_buffer(const rig *r, size_t bytes) {
+    return rig_keep(clCreateBuffer(r->context, CL_MEM_READ_WRITE, bytes, NULL, NULL));
+}
+
 cl_mem rig_foreign_buffer(const rig *r, size_t bytes) {
-    cl_int code = CL_SUCCESS;
-    cl_mem buffer = NULL;
-    cl_context other = clCreateContext(NULL, 1, &r->device, NULL, NULL, &code);
-    if (code == CL_SUCCESS) buffer = clCreateBuffer(other, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    if (code != CL_SUCCESS) stop("OpenCL", "no buffer in another context");
+    cl_context other = clCreateContext(NULL, 1, &r->device, NULL, NULL, NULL);
+    if (!other) stop("OpenCL", "no other context");
+    cl_mem buffer = rig_keep(clCreateBuffer(other, CL_MEM_READ_WRITE, bytes, NULL, NULL));
     (void)clReleaseContext(other); /* the buffer keeps it */
     return buffer;
 }

@@ -99,8 +99,11 @@ typedef struct {
 void rig_open(rig *r, const char *path);
 void rig_close(rig *r);
 
-/* A buffer of the same device in another context, which no call may take. */
+/* A buffer of the host's context; and one of the same device in another context, which no call may take. */
+cl_mem rig_buffer(const rig *r, size_t bytes);
 cl_mem rig_foreign_buffer(const rig *r, size_t bytes);
+/* The test gives the object back. */
+cl_mem rig_keep(cl_mem object);
 
 /* Whether the device is a CPU: it reads the host's memory in place and computes in wide vectors. */
 bool rig_is_cpu(const rig *r);

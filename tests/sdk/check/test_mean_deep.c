@@ -26,12 +26,10 @@ typedef struct {
 } filter;
 
 static cl_mem buffer(const rig *r, size_t bytes, const void *from) {
-    cl_int code = CL_SUCCESS;
     const cl_uchar zero = 0;
-    cl_mem b = clCreateBuffer(r->context, CL_MEM_READ_WRITE, bytes, NULL, &code);
-    assert_int_equal(code, CL_SUCCESS);
-    code = from ? clEnqueueWriteBuffer(r->queue, b, CL_TRUE, 0, bytes, from, 0, NULL, NULL)
-                : clEnqueueFillBuffer(r->queue, b, &zero, 1, 0, bytes, 0, NULL, NULL);
+    cl_mem b = rig_buffer(r, bytes);
+    const cl_int code = from ? clEnqueueWriteBuffer(r->queue, b, CL_TRUE, 0, bytes, from, 0, NULL, NULL)
+                             : clEnqueueFillBuffer(r->queue, b, &zero, 1, 0, bytes, 0, NULL, NULL);
     assert_int_equal(code, CL_SUCCESS);
     return b;
 }
@@ -117,13 +115,6 @@ static void make(filter *f, rig *r, const float *depth, const uint8_t *status, u
     build(f);
 }
 
-static void unmake(filter *f) {
-    const cl_mem all[] = {f->maps, f->sums[0], f->sums[1], f->scratch, f->surfaces, f->status, f->record};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        assert_int_equal(clReleaseMemObject(all[i]), CL_SUCCESS);
-    assert_int_equal(clReleaseProgram(f->program), CL_SUCCESS);
-}
-
 /* A layer 10^4 slices deep whose points differ by hundredths of a slice from pixel to pixel. */
 static double deep(uint32_t x, uint32_t y, uint32_t *random) {
     return 1e4 + 20.0 * sin(x / 40.0) * cos(y / 55.0) + 0.01 * (surface_random(random) % 10);
@@ -142,7 +133,7 @@ static void check(rig *r, const surface_points *p, const char *what) {
     sv_ref_fill fill;
     make(&f, r, depth, p->status, points);
     run(&f, surface, record);
-    unmake(&f);
+    assert_int_equal(clReleaseProgram(f.program), CL_SUCCESS);
     assert_true(sv_ref_mean(p->status, exact, SIDE, SIDE, K, 0.5, expected, &fill));
     assert_int_equal(record[SV_REC_PASSES], fill.passes);
     assert_int_equal(record[SV_REC_UNFILLED], 0);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the example plugins compute: known volumes give known depths, the one with kernels equals the one on
- * the CPU bit for bit over layouts, carriers, padding and scanned ranges, and adjust equals a new frame. And
- * what author_cl.h says of buffers that are too short and of kernels that do not build. What else author.h
- * refuses, sv_validate tries on both, and the tests of the plugin, which stands on it, hold its words.
+ * the CPU bit for bit over layouts, carriers, padding and scanned ranges. And what author_cl.h says of
+ * buffers that are too short and of kernels that do not build. What else author.h refuses, sv_validate tries
+ * on both, and the tests of the plugin, which stands on it, hold its words.
  */
 #include "programs/shared_programs.h"
 #include "support/rig.h"
@@ -204,37 +204,6 @@ static void kernels_equal_the_cpu(void **state) {
     }
 }
 
-/* ---- adjust */
-
-static void adjust_equals_a_frame(void **state) {
-    examples *e = *state;
-    uint8_t *volume = rig_volume(RIG_LAYERS, WIDTH, HEIGHT, SLICES, 4);
-    rig *const rigs[] = {&e->cpu, &e->kernels};
-    for (int n = 0; n < 2; n++) {
-        rig *r = rigs[n];
-        const sv_plugin *p = r->plugin;
-        const rig_format f = plain();
-        stage *t = rig_stage(r, &f, volume);
-        const sv_param_value q[] = {{rig_param(r, "q"), 0, 0.7}, {rig_param(r, "q"), 0, 0.9}};
-        const sv_param_value level = {rig_param(r, "level"), 0, 0.3};
-        const sv_result result = {.size = sizeof result, .depth = e->b.depth};
-        assert_int_equal(p->activate(p, &t->format), SV_OK);
-        assert_true(rig_frame(r, t, q, 2, &e->a) >= SV_OK); /* of a repeated id the last counts */
-        float expected[RAYS];
-        memcpy(expected, e->a.depth, sizeof expected);
-        assert_true(rig_frame(r, t, NULL, 0, &e->a) >= SV_OK);
-        memset(t->memory[0], 77, t->bytes[0]); /* after end the voxels may be gone */
-        assert_int_equal(p->adjust(p, &level, 1, &result), SV_ERR_PARAM_ID);
-        assert_non_null(strstr(p->last_error(p), "level"));
-        assert_true(p->adjust(p, q, 2, &result) >= SV_OK);
-        assert_memory_equal(e->b.depth, expected, sizeof expected);
-        assert_memory_not_equal(e->a.depth, expected, sizeof expected);
-        assert_true(p->adjust(p, NULL, 0, &result) >= SV_OK); /* what is not listed is as in the frame */
-        assert_memory_equal(e->b.depth, e->a.depth, sizeof expected);
-        p->deactivate(p);
-    }
-}
-
 /* ---- refusals of author_cl.h */
 
 static void refused(const rig *r, sv_status status, sv_status expected, const char *text) {
@@ -253,11 +222,8 @@ static void buffers_that_end_too_early(void **state) {
     f.carrier = SV_CARRIER_BUFFER;
     uint8_t *volume = layers(6, 14);
     stage *t = rig_stage(r, &f, volume);
-    cl_int code = CL_SUCCESS;
-    cl_mem map = clCreateBuffer(r->context, CL_MEM_READ_WRITE, RAYS * 4, NULL, &code);
     const sv_frame frame = {.size = sizeof frame};
-    sv_result result = {.size = sizeof result, .depth_object = map, .depth_offset = 4};
-    assert_int_equal(code, CL_SUCCESS);
+    sv_result result = {.size = sizeof result, .depth_object = rig_buffer(r, RAYS * 4), .depth_offset = 4};
     assert_int_equal(p->activate(p, &t->format), SV_OK);
     sv_slab slab = stage_slab(t, 0);
     slab.bytes++;
@@ -277,7 +243,6 @@ static void buffers_that_end_too_early(void **state) {
         result.depth_offset = 0;
     }
     assert_int_equal(clFinish(r->queue), CL_SUCCESS);
-    assert_int_equal(clReleaseMemObject(map), CL_SUCCESS);
     p->deactivate(p);
 }
 
@@ -302,5 +267,5 @@ static void build_errors_name_lines(void **state) {
 UNIT_MAIN(open_examples, close_examples, cmocka_unit_test(depth_follows_q),
           cmocka_unit_test(outliers_and_holes), cmocka_unit_test(a_part_without_surface),
           cmocka_unit_test(gap_in_millimetres), cmocka_unit_test(only_what_was_scanned),
-          cmocka_unit_test(kernels_equal_the_cpu), cmocka_unit_test(adjust_equals_a_frame),
-          cmocka_unit_test(buffers_that_end_too_early), cmocka_unit_test(build_errors_name_lines))
+          cmocka_unit_test(kernels_equal_the_cpu), cmocka_unit_test(buffers_that_end_too_early),
+          cmocka_unit_test(build_errors_name_lines))

@@ -2,7 +2,7 @@
 /*
  * smartvis.needs/1 tells what activate really takes and what a frame really enqueues: buffers, heap and
  * commands as the spies count them, over methods, layouts, sizes, carriers and settings; and it asks OpenCL
- * nothing.
+ * nothing. A format that the device has no room for is refused before anything is made.
  */
 #include "smartvis/needs.h"
 #include "smartvis/timing.h"
@@ -12,23 +12,6 @@
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
 
-/* Returns the device's facts in the form that the header asks for. */
-static sv_needs_device facts_of(const rig *r) {
-    cl_uint units = 0;
-    cl_bool unified = CL_FALSE;
-    char extensions[8192] = "";
-    assert_int_equal(clGetDeviceInfo(r->device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL), 0);
-    assert_int_equal(
-        clGetDeviceInfo(r->device, CL_DEVICE_HOST_UNIFIED_MEMORY, sizeof unified, &unified, NULL), 0);
-    assert_int_equal(clGetDeviceInfo(r->device, CL_DEVICE_EXTENSIONS, sizeof extensions, extensions, NULL),
-                     0);
-    return (sv_needs_device){.size = sizeof(sv_needs_device),
-                             .flags = (rig_is_cpu(r) ? SV_NEEDS_CPU : 0u) |
-                                      (unified ? SV_NEEDS_UNIFIED : 0u) |
-                                      (strstr(extensions, "cl_khr_fp64") ? SV_NEEDS_DOUBLES : 0u),
-                             .compute_units = units};
-}
-
 static const sv_ext_needs *needs_of(const rig *r) {
     const sv_ext_needs *needs = r->plugin->get_extension(r->plugin, SV_EXT_NEEDS);
     assert_non_null(needs);
@@ -37,7 +20,7 @@ static const sv_ext_needs *needs_of(const rig *r) {
 
 /* The answer; no call of OpenCL and no allocation is made for it. The format's objects are left out. */
 static sv_needs ask(const rig *r, const sv_format *format, const sv_param_value *values, uint32_t count) {
-    const sv_needs_device device = facts_of(r);
+    const sv_needs_device device = stage_facts(r->device);
     sv_format planned = *format;
     sv_needs needs = {.size = sizeof needs};
     planned.context = NULL;
@@ -70,6 +53,16 @@ typedef struct {
     } with[3];
 } setting;
 
+/* With a byte less than it needs, of memory or in its largest buffer, activate refuses before it makes
+ * anything, and says what it lacks; with so much, both hold. */
+static void refused_below(rig *r, const sv_format *format, uint64_t memory, uint64_t largest,
+                          const char *text) {
+    spy_device_memory(memory, largest);
+    assert_int_equal(r->plugin->activate(r->plugin, format), SV_ERR_FORMAT);
+    if (!strstr(r->plugin->last_error(r->plugin), text)) fail_msg("%s", r->plugin->last_error(r->plugin));
+    assert_int_equal(spy_live_bytes(), 0);
+}
+
 static void holds(rig *r, const setting *s) {
     static const sv_scanned ranges[256 * 256];
     char name[160];
@@ -100,7 +93,16 @@ static void holds(rig *r, const setting *s) {
     rig_result out = rig_result_make(s->width, s->height);
     const sv_plugin *p = r->plugin;
     const sv_needs told = ask(r, &t->format, frame_values, count);
+    char text[80];
+    refused_below(r, &t->format, told.device_bytes - 1, 0, " bytes on the device, which has ");
+    refused_below(r, &t->format, 0, told.largest_buffer - 1, " bytes, the device allows ");
+    spy_device_memory(told.device_bytes, told.largest_buffer);
+    r->all_logs[0] = '\0';
     assert_int_equal(p->activate(p, &t->format), SV_OK);
+    spy_device_memory(0, 0);
+    (void)snprintf(text, sizeof text, " needs %llu bytes on the device, the largest",
+                   (unsigned long long)told.device_bytes);
+    if (!strstr(r->all_logs, text)) fail_msg("'%s' in %s", text, r->all_logs);
     same("bytes of buffers", name, told.device_bytes, spy_live_bytes());
     assert_true(told.largest_buffer > 0 && told.largest_buffer <= told.device_bytes);
     if (heap_spy_works()) {
@@ -190,6 +192,23 @@ static void the_device_counts(void **state) {
     assert_true(needs[1].commands > needs[0].commands);
 }
 
+/* The largest that the header allows, in one slab: more than any device has, for real. */
+static void the_largest_format(void **state) {
+    enum { SIDE = 8192 };
+    rig *r = *state;
+    sv_format format = plain_format(SIDE, SIDE, SIDE, 1);
+    format.context = r->context;
+    format.device = r->device;
+    format.queue = r->queue;
+    spy_watch(r->entry);
+    heap_spy_watch(r->entry);
+    assert_true(ask(r, &format, NULL, 0).device_bytes > (uint64_t)SIDE * SIDE * SIDE);
+    spy_reset();
+    assert_int_equal(r->plugin->activate(r->plugin, &format), SV_ERR_FORMAT);
+    assert_non_null(strstr(r->last_log, "activate: a format of 8192 x 8192 x 8192 needs "));
+    assert_int_equal(spy_count(SPY_CREATE) + spy_count(SPY_ENQUEUE) + spy_count(SPY_BUILD), 0);
+}
+
 static void what_cannot_be_is_refused(void **state) {
     rig *r = *state;
     const sv_plugin *p = r->plugin;
@@ -226,5 +245,5 @@ static void what_cannot_be_is_refused(void **state) {
     assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_FORMAT);
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(told_is_taken), RIG_TEST(the_device_counts),
+UNIT_MAIN(NULL, NULL, RIG_TEST(told_is_taken), RIG_TEST(the_device_counts), RIG_TEST(the_largest_format),
           RIG_TEST(what_cannot_be_is_refused))

@@ -334,3 +334,18 @@ sv_status stage_run(const stage *st, const sv_plugin *p, const sv_param_value *v
     if (st->device.queue) need(st, clFinish(st->device.queue), "clFinish after a frame");
     return status;
 }
+
+sv_needs_device stage_facts(cl_device_id device) {
+    sv_needs_device facts = {.size = sizeof facts, .compute_units = 1};
+    cl_device_type type = 0;
+    cl_bool unified = CL_FALSE;
+    char extensions[8192] = "";
+    (void)clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
+    (void)clGetDeviceInfo(device, CL_DEVICE_HOST_UNIFIED_MEMORY, sizeof unified, &unified, NULL);
+    (void)clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, sizeof extensions - 1, extensions, NULL);
+    (void)clGetDeviceInfo(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof facts.compute_units,
+                          &facts.compute_units, NULL);
+    facts.flags = (type & CL_DEVICE_TYPE_CPU ? SV_NEEDS_CPU : 0u) | (unified ? SV_NEEDS_UNIFIED : 0u) |
+                  (strstr(extensions, "cl_khr_fp64") ? SV_NEEDS_DOUBLES : 0u);
+    return facts;
+}

@@ -6,6 +6,7 @@
 #ifndef STAGE_H
 #define STAGE_H
 
+#include "smartvis/needs.h"
 #include "smartvis_plugin.h"
 
 #include <CL/cl.h>
@@ -95,5 +96,8 @@ uint64_t stage_inputs(const stage *st);
  * what end returned. `result` may be the stage's or another. The instance must be active with this format. */
 sv_status stage_run(const stage *st, const sv_plugin *p, const sv_param_value *values, uint32_t count,
                     const sv_result *result);
+
+/* What smartvis.needs/1 asks of a device. */
+sv_needs_device stage_facts(cl_device_id device);
 
 #endif

@@ -108,6 +108,7 @@ void check_guard_bands(v_run *run) {
         v_rig_set(r, &way, V_LAYERS);
         try_bands(r, 0xff, true);
         try_bands(r, 0xfe, true);
+        try_bands(r, 0xff, false);
     }
 }
 

@@ -40,15 +40,25 @@ static void inputs_stay(v_rig *r) {
     expect_inputs(st, before);
 }
 
-/* In memory, and in every kind of object that the plugin takes: its queue can write there. */
+static bool offers(const v_rig *r, const stage_way *way) {
+    const sv_descriptor *d = r->s.descriptor;
+    return (d->carriers & SV_BIT(way->carrier)) &&
+           (d->queues & (way->own_queue ? SV_QUEUE_OWN : SV_QUEUE_HOST));
+}
+
+/* In memory, registered or not, on either queue, and in every kind of object that the plugin takes: its queue
+ * can write there. */
 void check_inputs_unchanged(v_run *run) {
+    static const uint32_t carriers[] = {SV_CARRIER_HOST, SV_CARRIER_HOST, SV_CARRIER_HOST, SV_CARRIER_BUFFER,
+                                        SV_CARRIER_IMAGE};
     v_rig *r = v_rig_standard(run);
-    inputs_stay(r);
-    for (uint32_t carrier = SV_CARRIER_BUFFER; carrier <= SV_CARRIER_IMAGE; carrier++) {
+    for (size_t n = 0; n < sizeof carriers / sizeof *carriers; n++) {
         stage_way way = v_standard_way(&r->s);
-        if (way.own_queue || !(r->s.descriptor->carriers & SV_BIT(carrier))) continue;
-        way.carrier = carrier;
-        way.ranges_in_buffer = way.ranges;
+        way.carrier = carriers[n];
+        way.registered = n == 1;
+        way.own_queue = way.own_queue || n == 2;
+        way.ranges_in_buffer = way.ranges && way.carrier != SV_CARRIER_HOST;
+        if (!offers(r, &way) || (way.own_queue && way.carrier != SV_CARRIER_HOST)) continue;
         v_rig_again(r, &way);
         inputs_stay(r);
     }
@@ -230,12 +240,6 @@ void check_probe(v_run *run) {
 }
 
 /* ---- carriers and queues */
-static bool offers(const v_rig *r, const stage_way *way) {
-    const sv_descriptor *d = r->s.descriptor;
-    return (d->carriers & SV_BIT(way->carrier)) &&
-           (d->queues & (way->own_queue ? SV_QUEUE_OWN : SV_QUEUE_HOST));
-}
-
 /* What the descriptor does not offer, activate refuses. */
 static void refuse_way(v_rig *r, const stage_way *way, const char *what) {
     stage st;

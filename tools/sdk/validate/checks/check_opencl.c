@@ -93,22 +93,6 @@ static void inspect_launches(v_rig *r, const char *call) {
 }
 
 /* ---- what it says that it will take */
-static sv_needs_device facts_of(const v_rig *r) {
-    sv_needs_device facts = {.size = sizeof facts, .compute_units = 1};
-    cl_device_type type = 0;
-    cl_bool unified = CL_FALSE;
-    char extensions[8192] = "";
-    const cl_device_id device = r->device.device;
-    (void)clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
-    (void)clGetDeviceInfo(device, CL_DEVICE_HOST_UNIFIED_MEMORY, sizeof unified, &unified, NULL);
-    (void)clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, sizeof extensions - 1, extensions, NULL);
-    (void)clGetDeviceInfo(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof facts.compute_units,
-                          &facts.compute_units, NULL);
-    facts.flags = (type & CL_DEVICE_TYPE_CPU ? SV_NEEDS_CPU : 0u) | (unified ? SV_NEEDS_UNIFIED : 0u) |
-                  (strstr(extensions, "cl_khr_fp64") ? SV_NEEDS_DOUBLES : 0u);
-    return facts;
-}
-
 static uint32_t commands; /* of the frame under way */
 static void add_commands(v_rig *r, const char *call) {
     (void)r;
@@ -128,7 +112,7 @@ void check_needs(v_run *run) {
         const stage_way sized = v_sized(way, 40 + 70 * n, 30 + 90 * n, 20 + 11 * n);
         v_rig_set(r, &sized, V_LAYERS);
         const uint64_t taken = spy_live_bytes();
-        const sv_needs_device facts = facts_of(r);
+        const sv_needs_device facts = stage_facts(r->device.device);
         sv_format format = r->stage.format;
         sv_needs needs = {.size = sizeof needs};
         format.context = NULL;
