@@ -70,6 +70,11 @@ sv_status fixture_slabs(fixture *f) {
     return status;
 }
 
+void fixture_feed(fixture *f, uint32_t slabs) {
+    assert_int_equal(fixture_begin(f), SV_OK);
+    for (uint32_t n = 0; n < slabs; n++) assert_int_equal(fixture_slab(f, n), SV_OK);
+}
+
 sv_result fixture_result(fixture *f) {
     return (sv_result){
         .size = sizeof(sv_result), .depth = f->out.depth, .status = f->out.status, .stats = &f->out.stats};
@@ -85,12 +90,16 @@ sv_status fixture_end(fixture *f) {
 void fixture_frame_is_good(fixture *f) {
     memset(f->out.depth, 0xAB, FIXTURE_RAYS * sizeof(float));
     memset(f->out.status, 0xAB, FIXTURE_RAYS);
-    assert_int_equal(fixture_begin(f), SV_OK);
-    assert_int_equal(fixture_slabs(f), SV_OK);
+    fixture_feed(f, FIXTURE_SLABS);
     assert_int_equal(fixture_end(f), SV_OK);
     assert_memory_equal(f->out.depth, f->good.depth, FIXTURE_RAYS * sizeof(float));
     assert_memory_equal(f->out.status, f->good.status, FIXTURE_RAYS);
     assert_int_equal(f->out.stats.points, f->good.stats.points);
+}
+
+void fixture_works(fixture *f) {
+    assert_int_equal(fixture_activate(f), SV_OK);
+    fixture_frame_is_good(f);
 }
 
 void fixture_keep_reason(fixture *f) {

@@ -32,12 +32,14 @@ void fixture_use(fixture *f, rig_format how); /* and activates */
 sv_status fixture_activate(fixture *f);
 sv_status fixture_begin(fixture *f); /* default values */
 sv_status fixture_slab(fixture *f, uint32_t n);
-sv_status fixture_slabs(fixture *f); /* all of them */
+sv_status fixture_slabs(fixture *f);           /* all of them */
+void fixture_feed(fixture *f, uint32_t slabs); /* begin and so many slabs, which succeed */
 sv_result fixture_result(fixture *f);
 sv_status fixture_end(fixture *f); /* and clFinish of the host's queue */
 
-/* A whole frame gives the good maps: whatever was done before did no harm. */
+/* A whole frame gives the good maps: whatever was done before did no harm. And one of an activation. */
 void fixture_frame_is_good(fixture *f);
+void fixture_works(fixture *f);
 
 /* `status` is `expected`, and last_error and the host's log both hold `text` (a field and its value). */
 void fixture_refused(fixture *f, sv_status status, sv_status expected, const char *text);

@@ -68,7 +68,7 @@ typedef struct {
     char all_logs[16384]; /* the first lines, as far as they fit */
 } rig;
 
-enum { RIG_MAX_FIXED = 4 };
+enum { RIG_MAX_FIXED = 8 };
 
 /* One way of handing a volume over. Zeroed fields take the plain default. */
 typedef struct {

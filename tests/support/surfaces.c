@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/surfaces.h"
 
-#include "support/plain_format.h"
-
 #include "support/unit.h"
 
 #include <assert.h>
@@ -85,46 +83,23 @@ uint8_t *surface_volume(const surface_points *points) {
     return volume;
 }
 
-static sv_status run_active(rig *r, const surface_points *points, const uint8_t *volume,
-                            const sv_param_value *values, uint32_t count, rig_result *out) {
-    const sv_plugin *p = r->plugin;
-    const sv_frame frame = {.size = sizeof frame, .values = values, .value_count = count};
-    const sv_slab slab = {.size = sizeof slab,
-                          .slice_count = points->slices,
-                          .memory = volume,
-                          .bytes = (uint64_t)points->width * points->height * points->slices};
-    const sv_result result = {
-        .size = sizeof result, .depth = out->depth, .status = out->status, .stats = &out->stats};
-    sv_status status = p->begin(p, &frame);
-    if (status == SV_OK) status = p->slab(p, &slab);
-    if (status == SV_OK) status = p->end(p, &result);
-    if (status >= SV_OK) hs_plugin_points(p, &out->points);
-    (void)clFinish(r->queue);
-    return status == SV_OK ? out->stats.outcome : status;
-}
-
-sv_format surface_format(const surface_points *points, const sv_param_value *values, uint32_t count) {
-    sv_format format = plain_format(points->width, points->height, points->slices, 1);
-    for (int i = 0; i < 3; i++) format.spacing_mm[i] = 1.0f;
-    format.values = values;
-    format.value_count = count;
-    return format;
+rig_format surface_format(const rig *r, const surface_points *points, const surface_chain *chain) {
+    return (rig_format){.width = points->width,
+                        .height = points->height,
+                        .slices = points->slices,
+                        .tiles_x = 1,
+                        .padding = SV_NO_PADDING,
+                        .voxel_mm = 1.0f,
+                        .fixed = {{rig_param(r, "method"), 0, chain->method},
+                                  {rig_param(r, "prefilter"), 0, chain->prefilter_passes > 0},
+                                  {rig_param(r, "merge_grid"), 0, chain->merge_grid},
+                                  {rig_param(r, "spline_grid"), 0, chain->spline_grid},
+                                  {rig_param(r, "precision"), 0, chain->float32},
+                                  {rig_param(r, "strategy"), 0, chain->strategy}}};
 }
 
 sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
                       sv_spline_report *report) {
-    const sv_param_value fixed[] = {
-        {rig_param(r, "method"), 0, chain->method},
-        {rig_param(r, "prefilter"), 0, chain->prefilter_passes > 0},
-        {rig_param(r, "merge_grid"), 0, chain->merge_grid},
-        {rig_param(r, "spline_grid"), 0, chain->spline_grid},
-        {rig_param(r, "precision"), 0, chain->float32},
-        {rig_param(r, "strategy"), 0, chain->strategy},
-    };
-    sv_format format = surface_format(points, fixed, sizeof fixed / sizeof *fixed);
-    format.context = r->context;
-    format.device = r->device;
-    format.queue = r->queue;
     const sv_param_value values[] = {
         {rig_param(r, "bone_mode"), 0, SV_REF_ABSOLUTE}, /* a volume without bone must not make its own */
         {rig_param(r, "evidence"), 0, 0.0},              /* a point or two shall do */
@@ -134,10 +109,12 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         {rig_param(r, "prefilter_kernel"), 0, chain->prefilter_k ? chain->prefilter_k : 5},
         {rig_param(r, "lambda"), 0, chain->lambda},
     };
-    sv_status status = r->plugin->activate(r->plugin, &format);
+    const void *mark = unit_mark();
+    const rig_format format = surface_format(r, points, chain);
+    const stage *t = rig_stage(r, &format, surface_volume(points));
+    sv_status status = r->plugin->activate(r->plugin, &t->format);
     if (status != SV_OK) return status;
-    uint8_t *volume = surface_volume(points);
-    status = run_active(r, points, volume, values, sizeof values / sizeof *values, out);
+    status = rig_frame(r, t, values, sizeof values / sizeof *values, out);
     if (status >= 0 && report && chain->method == SV_METHOD_SPLINE) {
         const sv_ext_spline *spline = hs_plugin_spline(r->plugin);
         *report = (sv_spline_report){.size = sizeof *report};
@@ -145,6 +122,7 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
         if (read != SV_OK) status = read;
     }
     r->plugin->deactivate(r->plugin);
+    unit_return(mark);
     return status;
 }
 
@@ -190,6 +168,16 @@ double surface_error(const rig_result *out, const double *expected, size_t count
         worst = fmax(worst, fabs((double)out->depth[i] - expected[i]));
     }
     return worst;
+}
+
+double surface_try(rig *r, const surface_points *points, const surface_chain *chain, const double *expected,
+                   rig_result *out, sv_spline_report *report) {
+    rig_result made = rig_result_make(points->width, points->height);
+    const sv_status status = surface_run(r, points, chain, &made, report);
+    if (status != SV_OK) fail_msg("%s: status %d: %s", surface_name(chain->method), status, r->last_log);
+    if (!expected) expected = surface_expect(points, chain);
+    if (out) *out = made;
+    return surface_error(&made, expected, (size_t)points->width * points->height);
 }
 
 void surface_check_points(const rig_result *out, const surface_points *points, int method) {

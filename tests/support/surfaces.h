@@ -48,8 +48,8 @@ surface_points surface_patches(uint32_t width, uint32_t height, uint32_t slices,
 /* A volume whose initial points are these, with T_B = 0.74 and T_L as by default. */
 uint8_t *surface_volume(const surface_points *points);
 
-/* That volume in one slab of host memory, for the plugin's own queue. `values` must stay. */
-sv_format surface_format(const surface_points *points, const sv_param_value *values, uint32_t count);
+/* That volume in one slab of host memory, and what the chain tells activate. */
+rig_format surface_format(const rig *r, const surface_points *points, const surface_chain *chain);
 
 /* A frame on the host's queue; `report` (may be NULL) is filled for splines. */
 sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
@@ -60,6 +60,11 @@ double *surface_expect(const surface_points *points, const surface_chain *chain)
 
 /* Largest difference; NAN if a depth is not finite. */
 double surface_error(const rig_result *out, const double *expected, size_t count);
+
+/* A frame of the chain, which must succeed: its error against `expected`, or, if that is NULL, against the
+ * definition. `out`, `report` may be NULL. */
+double surface_try(rig *r, const surface_points *points, const surface_chain *chain, const double *expected,
+                   rig_result *out, sv_spline_report *report);
 
 /* Fails unless statistics and status map name the points that there are: none with method wall, which looks
  * for none. */

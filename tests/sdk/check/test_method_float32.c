@@ -10,12 +10,8 @@
 
 static void check(rig *r, const surface_points *p, const surface_chain *chain, double bound,
                   const char *what) {
-    const size_t count = (size_t)p->width * p->height;
-    rig_result out = rig_result_make(p->width, p->height);
-    sv_spline_report report = {.points = 0};
-    assert_int_equal(surface_run(r, p, chain, &out, &report), SV_OK);
-    double *expected = surface_expect(p, chain);
-    const double error = surface_error(&out, expected, count);
+    sv_spline_report report;
+    const double error = surface_try(r, p, chain, NULL, NULL, &report);
     print_message("float32 %-9s %-24s error %.2e slices, bound %.0e\n", surface_name(chain->method), what,
                   error, bound);
     assert_true(error <= bound);
@@ -38,12 +34,10 @@ static void test_scattered(void **state) {
             .method = SV_METHOD_SPLINE, .float32 = true, .merge_grid = 0, .q = 0.25f};
         check(*state, &p, &spline, 5e-3, "merged on 8 x 8");
         /* asked for every point, it merges all the same, and says so */
-        rig_result out = rig_result_make(width, height);
         sv_spline_report report;
-        assert_int_equal(surface_run(*state, &p, &finer, &out, &report), SV_OK);
+        assert_true(isfinite(surface_try(*state, &p, &finer, NULL, NULL, &report)));
         if (width > 40) assert_int_equal(report.merge_grid, 8);
         assert_true(report.points <= 64);
-        for (uint32_t i = 0; i < width * height; i++) assert_true(isfinite(out.depth[i]));
     }
 }
 

@@ -118,8 +118,7 @@ static void refusals_are_quiet(void **state) {
         const uint32_t waits = f->how.own_queue ? 1 : 0;
         for (uint32_t slabs = 0; slabs <= FIXTURE_SLABS; slabs++) {
             forget();
-            assert_int_equal(fixture_begin(f), SV_OK);
-            for (uint32_t i = 0; i < slabs; i++) assert_int_equal(fixture_slab(f, i), SV_OK);
+            fixture_feed(f, slabs);
             forget();
             assert_int_equal(fixture_slab(f, (slabs + 1) % FIXTURE_SLABS), SV_ERR_SLAB_ORDER);
             assert_quiet("refused slab", waits, 0);
@@ -216,8 +215,7 @@ static void what_runs_is_waited_for(void **state) {
         how.fixed[0] = (sv_param_value){rig_param(&f->r, "method"), 0, 0};
         fixture_use(f, how);
         for (int drop = 0; drop < 3; drop++) {
-            assert_int_equal(fixture_begin(f), SV_OK);
-            for (uint32_t n = 0; n < FIXTURE_SLABS; n++) assert_int_equal(fixture_slab(f, n), SV_OK);
+            fixture_feed(f, FIXTURE_SLABS);
             assert_true(spy_pending());
             forget();
             if (drop == 0) assert_int_equal(fixture_begin(f), SV_OK);

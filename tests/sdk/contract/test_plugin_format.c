@@ -57,8 +57,7 @@ static void format_fields(void **state) {
         fixture_refused(f, f->r.plugin->activate(f->r.plugin, &format), table[i].status, table[i].text);
         assert_int_equal(f->r.last_severity, SV_LOG_HOST_MISBEHAVING);
     }
-    assert_int_equal(fixture_activate(f), SV_OK);
-    fixture_frame_is_good(f);
+    fixture_works(f);
 }
 
 static void opencl_objects(void **state) {
@@ -92,8 +91,7 @@ static void opencl_objects(void **state) {
     format.queue = unordered;
     fixture_refused(f, p->activate(p, &format), SV_ERR_FORMAT, "out-of-order");
     assert_int_equal(clReleaseCommandQueue(unordered), CL_SUCCESS);
-    assert_int_equal(fixture_activate(f), SV_OK);
-    fixture_frame_is_good(f);
+    fixture_works(f);
 }
 
 /* ---- parameters ---- */
@@ -166,8 +164,7 @@ static void fixed_parameters(void **state) {
                     "activated with 2");
     p->deactivate(p);
     /* An earlier activation's values do not linger. */
-    assert_int_equal(fixture_activate(f), SV_OK);
-    fixture_frame_is_good(f);
+    fixture_works(f);
 }
 
 /* A list counts as a whole: its last value of an id wins, and one bad value discards all. Frames do not

@@ -8,8 +8,7 @@
 
 /* A slab that must be refused; afterwards the frame is over and the next one is good. */
 static void refused_slab(fixture *f, uint32_t before, sv_slab slab, sv_status status, const char *text) {
-    assert_int_equal(fixture_begin(f), SV_OK);
-    for (uint32_t n = 0; n < before; n++) assert_int_equal(fixture_slab(f, n), SV_OK);
+    fixture_feed(f, before);
     fixture_refused(f, f->r.plugin->slab(f->r.plugin, &slab), status, text);
     assert_int_equal(f->r.last_severity, SV_LOG_HOST_MISBEHAVING);
     assert_int_equal(fixture_slab(f, before < FIXTURE_SLABS ? before : 0), SV_ERR_STATE);
@@ -37,8 +36,7 @@ static void slab_order(void **state) {
     for (uint32_t n = 0; n < FIXTURE_SLABS; n++) {
         static const char *const missing[] = {"0 of 14 slices came", "6 of 14 slices came",
                                               "12 of 14 slices came"};
-        assert_int_equal(fixture_begin(f), SV_OK);
-        for (uint32_t i = 0; i < n; i++) assert_int_equal(fixture_slab(f, i), SV_OK);
+        fixture_feed(f, n);
         fixture_refused(f, fixture_end(f), SV_ERR_SLAB_MISSING, missing[n]);
         fixture_refused(f, fixture_end(f), SV_ERR_STATE,
                         "end: the instance is active, and no frame is under way");
@@ -128,8 +126,7 @@ static void wrong_images(void **state) {
 /* ---- results ---- */
 
 static void refused_result(fixture *f, sv_result result, sv_status status, const char *text) {
-    assert_int_equal(fixture_begin(f), SV_OK);
-    assert_int_equal(fixture_slabs(f), SV_OK);
+    fixture_feed(f, FIXTURE_SLABS);
     fixture_refused(f, f->r.plugin->end(f->r.plugin, &result), status, text);
     fixture_refused(f, f->r.plugin->end(f->r.plugin, &result), SV_ERR_STATE, "no frame");
     assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);

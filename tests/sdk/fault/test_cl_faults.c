@@ -35,8 +35,7 @@ static void choose(fixture *f, int method, uint32_t strategy) {
 static void learn(fixture *f) {
     assert_int_equal(fixture_activate(f), SV_OK);
     for (int i = 0; i < FIXTURE_RAYS; i++) f->out.depth[i] = NAN;
-    assert_int_equal(fixture_begin(f), SV_OK);
-    assert_int_equal(fixture_slabs(f), SV_OK);
+    fixture_feed(f, FIXTURE_SLABS);
     assert_int_equal(fixture_end(f), SV_OK);
     assert_int_equal(f->out.stats.outcome, SV_OK);
     assert_int_equal(f->out.stats.unfilled, 0);
@@ -84,8 +83,7 @@ static bool activate_failing(fixture *f, uint32_t n) {
 static uint32_t fail_activations(fixture *f, uint32_t first, uint32_t every, bool thin) {
     uint32_t n = first;
     while (activate_failing(f, n)) n += every + (thin ? n / 16 : 0);
-    assert_int_equal(fixture_activate(f), SV_OK);
-    fixture_frame_is_good(f);
+    fixture_works(f);
     f->r.plugin->deactivate(f->r.plugin);
     return n;
 }
@@ -228,8 +226,7 @@ static void a_lost_device(void **state) {
             assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
             assert_int_equal(spy_live(), 0);
         }
-    assert_int_equal(fixture_activate(f), SV_OK);
-    fixture_frame_is_good(f);
+    fixture_works(f);
 }
 
 /* Maps in a buffer, and in rows with a pitch; events kept for timing. */
@@ -376,8 +373,7 @@ static void build_log(void **state) {
     fixture_refused(f, status, SV_ERR_BUILD, "the kernels do not build: CL_BUILD_PROGRAM_FAILURE (-11)");
     assert_int_equal(spy_live(), 0);
     assert_int_equal(heap_spy_live(), 0);
-    assert_int_equal(fixture_activate(f), SV_OK);
-    fixture_frame_is_good(f);
+    fixture_works(f);
 }
 
 UNIT_MAIN(NULL, NULL, FIXTURE_TEST(activations), FIXTURE_TEST(activate_with_wide_vectors),

@@ -92,7 +92,6 @@ typedef struct {
 
 /* -------------------------------------------------------------------------------------- layer_say -- */
 
-extern const char *const ly_call_names[RC_CALLS];
 extern char ly_folder[PATH_MAX]; /* the layer's own, with '/' */
 
 /* Once, before the others are asked. */

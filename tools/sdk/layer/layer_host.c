@@ -64,7 +64,7 @@ static void start_from(sva *a, const double *values) {
 
 static sv_status check(ly_instance *i, const rc_call *c) {
     sva *a = &i->shadow;
-    const char *call = ly_call_names[c->kind];
+    const char *call = rc_names[c->kind];
     sv_status due = SV_OK;
     char probe[200];
     if (!is_allowed(a, c->kind)) return sva_wrong_state(a, call);

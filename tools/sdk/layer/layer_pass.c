@@ -40,7 +40,7 @@ static bool is_frames(rc_kind kind) {
 /* By what the header says of every call's return. `due` is the error that the plugin owes, and why. */
 static void judge_status(ly_instance *i, const rc_call *c, sv_status due, const char *why) {
     const rule_sink *to = &i->called;
-    const char *call = ly_call_names[c->kind], *name = sv_lookup_status(c->status);
+    const char *call = rc_names[c->kind], *name = sv_lookup_status(c->status);
     const bool delivers = c->kind == RC_END || c->kind == RC_ADJUST;
     RULE_EXPECT(to, RULE_frame_outcome, name && (delivers || c->status <= SV_OK), "%s: returns %s (%d)", call,
                 name ? name : "a status that nobody knows", (int)c->status);
@@ -68,7 +68,7 @@ void ly_judge_reason(ly_instance *i, const char *call, sv_status status) {
 enum { LOCALE_BYTES = 256 };
 static void judge_process(ly_instance *i, const rc_call *c, int rounding, const char *locale) {
     const rule_sink *to = &i->called;
-    const char *call = ly_call_names[c->kind];
+    const char *call = rc_names[c->kind];
     RULE_EXPECT(to, RULE_frame_path_time, !is_frames(c->kind) || c->took_ns <= i->slow_ns || ly_is_lost(i),
                 "%s: took %.1f ms, SMARTVIS_CHECK_MS is %.1f", call, (double)c->took_ns * 1e-6,
                 (double)i->slow_ns * 1e-6);
@@ -85,7 +85,7 @@ static void judge_process(ly_instance *i, const rc_call *c, int rounding, const 
 /* The call itself, with all that is looked at around it. */
 static void make_call(ly_instance *i, rc_call *c, sv_status due) {
     char why[sizeof i->shadow.reason], locale[LOCALE_BYTES];
-    const char *call = ly_call_names[c->kind];
+    const char *call = rc_names[c->kind];
     const bool control = !is_frames(c->kind);
     const int rounding = fegetround();
     (void)snprintf(why, sizeof why, "%s", i->shadow.reason);
@@ -139,7 +139,7 @@ static void tell_times(ly_instance *i) {
         const ly_times *t = &i->times[k];
         if (t->count == 0 || k == RC_DEACTIVATE) continue;
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s %.3f (%.3f)", used ? ", " : "",
-                                 ly_call_names[k], (double)t->sum_ns * 1e-6 / (double)t->count,
+                                 rc_names[k], (double)t->sum_ns * 1e-6 / (double)t->count,
                                  (double)t->longest_ns * 1e-6);
     }
     if (used)
@@ -155,7 +155,7 @@ static void undo_activate(ly_instance *i) {
 }
 
 static sv_status pass(ly_instance *i, rc_call *c) {
-    if (!ly_enter(i, ly_call_names[c->kind])) {
+    if (!ly_enter(i, rc_names[c->kind])) {
         const sv_status beside = i->stops && c->kind != RC_DEACTIVATE ? SV_ERR_STATE : forward(i->inner, c);
         ly_leave(i, false);
         return beside;
@@ -167,7 +167,7 @@ static sv_status pass(ly_instance *i, rc_call *c) {
     const sv_status due = lost ? SV_OK : ly_judge_host(i, c);
     c->plugin = i->inner;
     c->sound = due == SV_OK && !lost;
-    if (due != SV_OK && i->stopped == SV_OK) ly_foretell(i, ly_call_names[c->kind], due, i->shadow.reason);
+    if (due != SV_OK && i->stopped == SV_OK) ly_foretell(i, rc_names[c->kind], due, i->shadow.reason);
     if (i->stopped == SV_OK || c->kind == RC_DEACTIVATE) make_call(i, c, due);
     if (i->stopped != SV_OK) {
         if (c->kind == RC_ACTIVATE && c->start_ns > 0 && c->status >= SV_OK) undo_activate(i);

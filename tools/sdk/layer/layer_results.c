@@ -52,7 +52,7 @@ void ly_results_judge(ly_instance *i, const ly_slot *s) {
     sv_stats stats;
     memcpy(&stats, s->block + ly_stats_at(w), sizeof stats);
     if (stats.size == s->stats_size) stats.size = sizeof stats; /* a later host's may be longer */
-    (void)snprintf(what, sizeof what, "%s: frame %llu", ly_call_names[s->kind], (unsigned long long)s->index);
+    (void)snprintf(what, sizeof what, "%s: frame %llu", rc_names[s->kind], (unsigned long long)s->index);
     const rule_map map = {f->width,
                           f->height,
                           f->slices,

@@ -6,9 +6,6 @@
 
 #include <dlfcn.h>
 
-const char *const ly_call_names[RC_CALLS] = {"create", "destroy", "activate", "deactivate",
-                                             "begin",  "slab",    "end",      "adjust"};
-
 /* ---- settings */
 char ly_folder[PATH_MAX];
 static char settings[4096]; /* the file, a NUL for every end of a line, two at its end */

@@ -188,7 +188,7 @@ static void take_slot(ly_watch *w, uint64_t index) {
 
 void ly_watch_before(ly_instance *i, const rc_call *c) {
     ly_watch *w = i->watch;
-    const char *call = ly_call_names[c->kind];
+    const char *call = rc_names[c->kind];
     if (!w || w->trouble || !c->sound) return;
     if (c->kind != RC_SLAB) judge_kept(i, call);
     if (c->kind == RC_BEGIN) {
@@ -226,8 +226,7 @@ void ly_watch_after(ly_instance *i, const rc_call *c) {
     const bool looks = well && !ly_is_lost(i);
     if (c->kind == RC_SLAB && looks) compare_memory(i, RULE_inputs_unchanged, w->before_slab, "slab");
     if (c->kind == RC_BEGIN && looks) compare_memory(i, RULE_inputs_unchanged, 0, "begin");
-    if (c->result && looks && ly_is_own(w))
-        compare_memory(i, RULE_inputs_unchanged, 0, ly_call_names[c->kind]);
+    if (c->result && looks && ly_is_own(w)) compare_memory(i, RULE_inputs_unchanged, 0, rc_names[c->kind]);
     if (c->result && c->sound) ly_results_after(i, c);
     if (well && !c->result) return;
     let_go(w->now);

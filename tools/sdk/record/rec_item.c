@@ -7,6 +7,9 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "a recording holds little-endian numbers");
 
+const char *const rc_names[RC_CALLS] = {"create", "destroy", "activate", "deactivate",
+                                        "begin",  "slab",    "end",      "adjust"};
+
 /* ---- numbers and texts */
 static void fail(rec_cursor *c, const char *field) {
     if (!c->bad) c->bad = field;

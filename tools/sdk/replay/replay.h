@@ -103,9 +103,6 @@ bool rp_play(const rp_options *o, rp_report *report, hs_error *err);
 /* Prints every call of a recording and plays none. */
 bool rp_list(const char *file, hs_error *err);
 
-/* The name of a call: "begin". */
-extern const char *const rp_calls[RC_CALLS];
-
 /* ------------------------------------------------------------------------------------- replay_draw -- */
 
 /* Draws the frame into the folder as host_sim draws its own (hs_loop_write_pictures). */

@@ -7,11 +7,6 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-const char *const rp_calls[RC_CALLS] = {[RC_CREATE] = "create",     [RC_DESTROY] = "destroy",
-                                        [RC_ACTIVATE] = "activate", [RC_DEACTIVATE] = "deactivate",
-                                        [RC_BEGIN] = "begin",       [RC_SLAB] = "slab",
-                                        [RC_END] = "end",           [RC_ADJUST] = "adjust"};
-
 static void print_item(const rec_item *it, uint64_t first_ns) {
     if (it->type == REC_PLUGIN)
         hs_print(stdout, "plugin %s %s, %u parameters\n", it->id, it->version, it->param_count);
@@ -20,7 +15,7 @@ static void print_item(const rec_item *it, uint64_t first_ns) {
         hs_print(stdout, "  %s%s%s, %.3f ms\n", hs_status_name(it->returned), it->reason[0] ? ": " : "",
                  it->reason, (double)it->ns * 1e-6);
     if (it->type != REC_CALL) return;
-    hs_print(stdout, "%s", rp_calls[it->kind]);
+    hs_print(stdout, "%s", rc_names[it->kind]);
     if (!it->sound)
         hs_print(stdout, ", which broke a rule");
     else if (it->kind == RC_ACTIVATE)

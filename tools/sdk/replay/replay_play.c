@@ -310,14 +310,14 @@ static void compare_depths(player *p) {
     differ(
         p,
         "%s: %u of %zu depths are others, by up to %g slices; the first is ray (%zu, %zu): %g, recorded %g",
-        rp_calls[p->item.kind], apart, rays, (double)largest, first % f->width, first / f->width, (double)a,
+        rc_names[p->item.kind], apart, rays, (double)largest, first % f->width, first / f->width, (double)a,
         (double)b);
 }
 
 static void compare_results(player *p) {
     const size_t rays = (size_t)p->hand.format.width * p->hand.format.height;
     const sv_stats *here = &p->hand.stats, *there = &p->item.found;
-    const char *call = rp_calls[p->item.kind];
+    const char *call = rc_names[p->item.kind];
     if (p->item.stats && p->hand.format.width > 0 &&
         (here->outcome != there->outcome || here->rays != there->rays || here->points != there->points ||
          here->unfilled != there->unfilled))
@@ -335,7 +335,7 @@ static void compare_results(player *p) {
 static void compare_return(player *p) {
     const rec_item *it = &p->item;
     const bool delivers = it->kind == RC_END || it->kind == RC_ADJUST;
-    const char *call = rp_calls[it->kind];
+    const char *call = rc_names[it->kind];
     p->report->recorded_ms += it->kind >= RC_BEGIN ? (double)it->ns * 1e-6 : 0.0;
     if (!p->played) return;
     const bool hidden = p->guarded && (it->kind == RC_BEGIN || it->kind == RC_SLAB);

@@ -19,6 +19,7 @@ typedef enum {
     RC_ADJUST,
     RC_CALLS
 } rc_kind;
+extern const char *const rc_names[RC_CALLS]; /* "begin"; of record/rec_item.c */
 
 typedef struct {
     rc_kind kind;

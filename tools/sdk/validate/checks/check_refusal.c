@@ -27,24 +27,20 @@ static void refuse_slab(v_rig *r, const char *what, sv_slab slab, sv_status expe
 void check_slab_refusals(v_run *run) {
     v_rig *r = v_rig_good(run);
     const sv_slab good = stage_slab(&r->stage, 1);
-    sv_slab slab = good;
-    slab.first_slice--;
-    refuse_slab(r, "a slice that came before", slab, SV_ERR_SLAB_ORDER);
-    slab.first_slice = good.first_slice + 1;
-    refuse_slab(r, "a slice left out", slab, SV_ERR_SLAB_ORDER);
-    slab = good;
-    slab.slice_count = 0;
-    refuse_slab(r, "no slices", slab, SV_ERR_SLAB_SHAPE);
-    slab.slice_count = r->stage.format.max_slab_slices + 1;
-    refuse_slab(r, "one slice more than max_slab_slices", slab, SV_ERR_SLAB_SHAPE);
-    slab.slice_count = UINT32_MAX;
-    refuse_slab(r, "2^32 - 1 slices", slab, SV_ERR_SLAB_SHAPE);
-    slab = good;
-    slab.bytes = 1;
-    refuse_slab(r, "one byte of memory", slab, SV_ERR_SLAB_SHAPE);
-    slab = good;
-    slab.memory = NULL;
-    refuse_slab(r, "memory NULL", slab, SV_ERR_SLAB_SHAPE);
+    sv_slab slab;
+#define REFUSE(what, change, expected)                                                                       \
+    slab = good;                                                                                             \
+    change;                                                                                                  \
+    refuse_slab(r, what, slab, expected)
+    REFUSE("a slice that came before", slab.first_slice--, SV_ERR_SLAB_ORDER);
+    REFUSE("a slice left out", slab.first_slice++, SV_ERR_SLAB_ORDER);
+    REFUSE("no slices", slab.slice_count = 0, SV_ERR_SLAB_SHAPE);
+    REFUSE("one slice more than max_slab_slices", slab.slice_count = r->stage.format.max_slab_slices + 1,
+           SV_ERR_SLAB_SHAPE);
+    REFUSE("2^32 - 1 slices", slab.slice_count = UINT32_MAX, SV_ERR_SLAB_SHAPE);
+    REFUSE("one byte of memory", slab.bytes = 1, SV_ERR_SLAB_SHAPE);
+    REFUSE("memory NULL", slab.memory = NULL, SV_ERR_SLAB_SHAPE);
+#undef REFUSE
     const sv_plugin *p = r->s.plugin;
     (void)v_begin(p, &r->stage, NULL, 0);
     (void)v_slab(p, &r->stage, 0);
@@ -205,50 +201,36 @@ static void too_short(v_rig *r, uint32_t size) {
     still_good(r, "structs that were too short");
 }
 
-/* A host of a later minor: its structs are longer, and hold what this plugin does not know. */
+/* `name.it` with bytes behind it that this plugin does not know. */
+#define LATER(type, name, first)                                                                             \
+    struct {                                                                                                 \
+        type it;                                                                                             \
+        uint8_t more[64];                                                                                    \
+    } name;                                                                                                  \
+    memset(&name, 0xff, sizeof name);                                                                        \
+    name.it = (first);                                                                                       \
+    name.it.size = sizeof name
+
+/* A host of a later minor: its structs are longer. */
 static void longer(v_rig *r) {
-    struct {
-        sv_format format;
-        uint8_t more[64];
-    } f;
-    struct {
-        sv_frame frame;
-        uint8_t more[64];
-    } fr;
-    struct {
-        sv_result result;
-        uint8_t more[64];
-    } re;
     const sv_plugin *p = r->s.plugin;
     v_run *run = r->s.run;
-    memset(f.more, 0xff, sizeof f.more);
-    memset(fr.more, 0xff, sizeof fr.more);
-    memset(re.more, 0xff, sizeof re.more);
-    f.format = r->stage.format;
-    f.format.size = sizeof f;
-    fr.frame = stage_frame(&r->stage, NULL, 0);
-    fr.frame.size = sizeof fr;
-    re.result = stage_result(&r->stage);
-    re.result.size = sizeof re;
+    LATER(sv_format, format, r->stage.format);
+    LATER(sv_frame, frame, stage_frame(&r->stage, NULL, 0));
+    LATER(sv_result, result, stage_result(&r->stage));
     v_deactivate(&r->s, p);
     v_where(run, "structs of a later minor");
-    sv_status status = p->activate(p, &f.format);
+    sv_status status = p->activate(p, &format.it);
     V_EXPECT(run, status >= 0, "activate refuses a longer sv_format: %s", v_status(status));
-    status = p->begin(p, &fr.frame);
+    status = p->begin(p, &frame.it);
     V_EXPECT(run, status >= 0, "begin refuses a longer sv_frame: %s", v_status(status));
     for (uint32_t n = 0; n < r->stage.slab_count && status >= 0; n++) {
-        struct {
-            sv_slab slab;
-            uint8_t more[64];
-        } sl;
-        memset(sl.more, 0xff, sizeof sl.more);
-        sl.slab = stage_slab(&r->stage, n);
-        sl.slab.size = sizeof sl;
-        status = p->slab(p, &sl.slab);
+        LATER(sv_slab, slab, stage_slab(&r->stage, n));
+        status = p->slab(p, &slab.it);
         V_EXPECT(run, status >= 0, "slab refuses a longer sv_slab: %s", v_status(status));
     }
     stage_poison(&r->stage, STAGE_POISON);
-    status = p->end(p, &re.result);
+    status = p->end(p, &result.it);
     V_EXPECT(run, status >= 0, "end refuses a longer sv_result: %s", v_status(status));
     const v_map map = v_collect(&r->stage, status);
     v_map_expect(run, &r->good, &map, "longer structs give another map");
