@@ -160,9 +160,9 @@ static bool run_item(hs_eval_space *space, hs_eval_case *c, uint32_t item, hs_er
     return true;
 }
 
-bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_shard shard, hs_eval_keep_fn keep,
-                       void *context, hs_error *err) {
-    for (uint32_t item = shard.index; item < space->items; item += shard.count)
+bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_keep_fn keep, void *context,
+                       hs_error *err) {
+    for (uint32_t item = 0; item < space->items; item++)
         if (!hs_eval_space_done(space, item) &&
             (!run_item(space, c, item, err) || !keep(context, space, item, err)))
             return false;

@@ -270,13 +270,7 @@ bool hs_eval_study_finish(hs_eval_study *study, uint32_t index, hs_eval_case *c,
     if (!check_case(study, index, c, err)) return false;
     const hs_error *failure = hs_loop_plugin_error(c->loop);
     if (failure->code != HS_OK) (void)hs_fail(&study->plugin_error, failure->code, "%s", failure->text);
-    return study->options->shard.count > 1 || plain_measure(study, index, c, err);
-}
-
-bool hs_eval_study_whole(const hs_eval_study *study) {
-    for (uint32_t i = 0; i < study->count; i++)
-        if (study->space[i].done_count < study->space[i].items) return false;
-    return study->count == study->options->case_count;
+    return plain_measure(study, index, c, err);
 }
 
 bool hs_eval_study_conclude(hs_eval_study *study, hs_error *err) {

@@ -14,11 +14,6 @@
 #define HS_EVAL_MAX_CASES 32u
 #define HS_EVAL_MAX_SETS  32u
 
-/* Shard `index` (0 .. count - 1) of `count` takes every count-th setting; 0 of 1 takes all. */
-typedef struct {
-    uint32_t index, count;
-} hs_eval_shard;
-
 /* What the command line asks for. Strings are borrowed. */
 typedef struct {
     const char *out;        /* folder */
@@ -30,11 +25,9 @@ typedef struct {
     uint32_t set_count;
     uint32_t size, lowres;
     uint64_t seed;
-    const char *real;          /* the volume of the scene "real"; NULL: none */
-    hs_metaimage_options read; /* how files are read */
-    bool coarse;               /* a fifth of the positions on every axis */
-    bool merge;                /* computes nothing: the shards' files must make the spaces whole */
-    hs_eval_shard shard;
+    const char *real;                       /* the volume of the scene "real"; NULL: none */
+    hs_metaimage_options read;              /* how files are read */
+    bool coarse;                            /* a fifth of the positions on every axis */
     uint32_t check;                         /* settings to measure the direct way, too */
     uint32_t frames;                        /* of a measurement of speed; 0: none */
     const char *compare[HS_EVAL_MAX_CASES]; /* "library[ key=value]..." */
@@ -136,9 +129,9 @@ void hs_eval_space_put(hs_eval_space *space, uint32_t item, uint32_t knob, sv_st
 /* Told of every item as soon as its results are there; false, with an error, ends the run. */
 typedef bool (*hs_eval_keep_fn)(void *context, const hs_eval_space *space, uint32_t item, hs_error *err);
 
-/* Runs the shard's items that are not done yet, in their order. */
-bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_shard shard, hs_eval_keep_fn keep,
-                       void *context, hs_error *err);
+/* Runs the items that are not done yet, in their order. */
+bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_keep_fn keep, void *context,
+                       hs_error *err);
 
 /* --------------------------------------------------------------------------------------- best settings -- */
 /* What the parameter spaces say: the best setting of each case, and the one that is best for all (thesis 5.2,
@@ -249,13 +242,10 @@ bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, h
  * Cases are measured in their order, each in three steps. Begin opens the case, and its space without
  * results. Then the caller fills the space: from files, by hs_eval_space_run, or both. Finish measures this
  * case's share of options->check the direct way, keeps the plugin's first failure, and measures the plugin as
- * it is unless this is a shard; only hs_eval_case_close may follow. If begin fails the case is closed.
+ * it is; only hs_eval_case_close may follow. If begin fails the case is closed.
  */
 bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
 bool hs_eval_study_finish(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
-
-/* All settings of all cases are there. */
-bool hs_eval_study_whole(const hs_eval_study *study);
 
 /* Best and common settings; the spaces must be whole. HS_ERR_MEMORY. */
 bool hs_eval_study_conclude(hs_eval_study *study, hs_error *err);

@@ -24,17 +24,6 @@ static bool append_group(const char *option, hs_scene_group group, hs_eval_optio
     return ok;
 }
 
-/* "2/4": the second of four. */
-static bool take_shard(void *shard, const char *text, hs_error *err) {
-    unsigned index = 0, count = 0;
-    int length = 0;
-    if (sscanf(text, "%5u/%5u%n", &index, &count, &length) != 2 || text[length] != '\0' || index < 1 ||
-        index > count)
-        return hs_fail(err, HS_ERR_USAGE, "--shard: '%s' is not I/N with 1 <= I <= N", text);
-    *(hs_eval_shard *)shard = (hs_eval_shard){index - 1, count};
-    return true;
-}
-
 static bool take_case(void *target, const char *text, hs_error *err) {
     hs_eval_options *const o = target;
     return hs_cli_append("--case", text, o->cases, &o->case_count, HS_EVAL_MAX_CASES, err);
@@ -103,10 +92,6 @@ static const hs_option options[] = {
      0, 10000, NULL},
     {"check", "N", "measures N settings the direct way, too; exit code 1 if they differ by 0.001 steps\n",
      HS_OPTION_COUNT, AT(check), 0, 1000000, NULL},
-    {"shard", "I/N", "computes only every N-th setting, from the I-th (1 .. N) on; writes no page\n",
-     HS_OPTION_TAKEN, AT(shard), 0, 0, take_shard},
-    {"merge", NULL, "computes nothing: puts the CSV files of all shards in --out together\n", HS_OPTION_FLAG,
-     AT(merge), 0, 0, NULL},
     {"look", "NAME", "how pictures are drawn: thesis or lit [lit]; measures always use thesis\n",
      HS_OPTION_TAKEN, AT(look), 0, 0, hs_look_line_look},
     {"light", "AZ,EL", "where the lamp of the lit look is, degrees from the viewer: right, up [-35,40]\n",
@@ -122,7 +107,7 @@ static const hs_option options[] = {
 };
 
 bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help, hs_error *err) {
-    *o = (hs_eval_options){.out = "out/report", .size = 384, .shard = {0, 1}, .frames = 20};
+    *o = (hs_eval_options){.out = "out/report", .size = 384, .frames = 20};
     hs_guard_defaults(&o->guard);
     hs_dvr_settings drawing;
     hs_dvr_defaults(&drawing);
@@ -135,8 +120,6 @@ bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help,
         return hs_fail(err, HS_ERR_USAGE, "--seeds %u: is for --compare", o->seeds);
     if (o->seeds == 0) o->seeds = 3;
     if (o->case_count == 0 && !append_group("the cases", HS_SCENES_THESIS, o, err)) return false;
-    if (o->merge && o->shard.count > 1)
-        return hs_fail(err, HS_ERR_USAGE, "--merge and --shard: the shards are computed first, then merged");
     return hs_cli_no_more(argc, argv, next, err);
 }
 
@@ -159,27 +142,18 @@ static void hs_report_line_help(void) {
 
 /* ------------------------------------------------------------------------------ the parameter space -- */
 
-/* --merge computes nothing, so all results must be there. */
-static bool load_whole(hs_eval_space *space, const char *folder, hs_error *err) {
-    if (!hs_eval_csv_load(space, folder, err)) return false;
-    return space->done_count == space->items ||
-           hs_fail(err, HS_ERR_INPUT, "%s: %u of %u settings of %s are there: a shard is missing", folder,
-                   space->done_count, space->items, space->name);
-}
-
 /* The space of an open case, from the folder's files and what they lack. */
 static bool fill_space(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
     const hs_eval_options *o = study->options;
     hs_eval_space *space = &study->space[index];
     hs_progress progress;
-    if (o->merge && !load_whole(space, o->out, err)) return false;
     hs_progress_begin(&progress, space->name, space->items);
-    const bool ok = hs_eval_csv_run(space, c, o->out, o->shard, &progress, err);
+    const bool ok = hs_eval_csv_run(space, c, o->out, &progress, err);
     hs_progress_end(&progress);
     return ok;
 }
 
-/* The spaces of all cases (of this shard), with a line on stderr per case. */
+/* The spaces of all cases, with a line on stderr per case. */
 static bool run_cases(hs_eval_study *study, hs_error *err) {
     const uint32_t cases = study->options->case_count;
     const double start = hs_now();
@@ -239,13 +213,7 @@ static bool run_study(const hs_eval_options *o, hs_error *err) {
             print_check(study);
             ok = check_held(study, err);
         }
-        if (ok && hs_eval_study_whole(study))
-            ok = finish(study, err);
-        else if (ok)
-            hs_print(stdout,
-                     "Results of shard %u of %u are in %s; when all are there, 'host_sim report --merge' "
-                     "with the same options makes the page\n",
-                     o->shard.index + 1, o->shard.count, o->out);
+        ok = ok && finish(study, err);
         if (ok && study->plugin_error.code != HS_OK)
             ok = hs_fail(err, study->plugin_error.code, "%s", study->plugin_error.text);
         ok = hs_eval_study_close(study, err) && ok;

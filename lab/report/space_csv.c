@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Results of a parameter space as CSV files, one row per setting (docs/evaluation.md lists the columns). A
- * run that was ended goes on from them, and shards are put together by them. */
+ * run that was ended goes on from them. */
 #include "report/report.h"
 
 #include "base/output_file.h"
 #include "base/paths.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -140,42 +139,16 @@ static bool load_file(hs_eval_space *space, const char *path, hs_error *err) {
     return ok;
 }
 
-/* True for "space_<case>.csv" and "space_<case>.part<i>of<n>.csv". */
-static bool is_part(const hs_eval_space *space, const char *file) {
-    char start[96];
-    const int length = snprintf(start, sizeof start, "space_%s.part", space->name);
-    const char *dot = strrchr(file, '.');
-    return strncmp(file, start, (size_t)length) == 0 && dot && strcmp(dot, ".csv") == 0;
-}
-
-static bool is_whole(const hs_eval_space *space, const char *file) {
+static bool path_of(const hs_eval_space *space, const char *folder, char path[PATH_MAX], hs_error *err) {
     char name[96];
     (void)snprintf(name, sizeof name, "space_%s.csv", space->name);
-    return strcmp(file, name) == 0;
+    return hs_path_join(folder, name, path, PATH_MAX, err);
 }
 
 bool hs_eval_csv_load(hs_eval_space *space, const char *folder, hs_error *err) {
     char path[PATH_MAX];
-    DIR *dir = opendir(folder);
-    if (!dir) return hs_fail(err, HS_ERR_INPUT, "%s: cannot list the folder: %s", folder, strerror(errno));
-    bool ok = true;
-    for (struct dirent *entry; ok && (entry = readdir(dir)) != NULL;)
-        if (is_part(space, entry->d_name) || is_whole(space, entry->d_name))
-            ok = hs_path_join(folder, entry->d_name, path, sizeof path, err) && load_file(space, path, err);
-    (void)closedir(dir);
-    return ok;
-}
-
-/* Their results are in "space_<case>.csv" now. */
-static void remove_parts(const hs_eval_space *space, const char *folder) {
-    char path[PATH_MAX];
-    hs_error ignored = {0};
-    DIR *dir = opendir(folder);
-    if (!dir) return;
-    for (struct dirent *entry; (entry = readdir(dir)) != NULL;)
-        if (is_part(space, entry->d_name) && hs_path_join(folder, entry->d_name, path, sizeof path, &ignored))
-            (void)unlink(path);
-    (void)closedir(dir);
+    if (!path_of(space, folder, path, err)) return false;
+    return access(path, F_OK) != 0 || load_file(space, path, err);
 }
 
 /* ------------------------------------------------------------------------------------------------ run -- */
@@ -184,44 +157,28 @@ static void remove_parts(const hs_eval_space *space, const char *folder) {
 typedef struct {
     FILE *file;
     const char *path;
-    hs_eval_shard shard;
-    hs_progress *progress; /* may be NULL; its total is all of the space, whatever the shard's part is */
-} part;
+    hs_progress *progress; /* may be NULL */
+} rows;
 
 static bool keep(void *context, const hs_eval_space *space, uint32_t item, hs_error *err) {
-    const part *p = context;
-    const uint32_t mine = (space->items - p->shard.index + p->shard.count - 1) / p->shard.count;
-    const uint64_t done = (item - p->shard.index) / p->shard.count + 1;
-    if (!append(space, item, p->file))
-        return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", p->path, strerror(errno));
-    if (p->progress) hs_progress_step(p->progress, done * p->progress->total / mine);
+    const rows *to = context;
+    if (!append(space, item, to->file))
+        return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", to->path, strerror(errno));
+    if (to->progress) hs_progress_step(to->progress, item + 1u);
     return true;
 }
 
-/* What is known already goes into the shard's file first: it holds whatever this folder has. */
-static bool run_shard(hs_eval_space *space, hs_eval_case *c, const char *folder, hs_eval_shard shard,
-                      hs_progress *progress, hs_error *err) {
-    char name[128], path[PATH_MAX];
-    (void)snprintf(name, sizeof name, "space_%s.part%uof%u.csv", space->name, shard.index + 1, shard.count);
-    if (!hs_path_join(folder, name, path, sizeof path, err) || !write_all(space, path, err)) return false;
-    part p = {.file = fopen(path, "a"), .path = path, .shard = shard, .progress = progress};
-    if (!p.file) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
-    const bool ok = hs_eval_space_run(space, c, shard, keep, &p, err);
-    if (fclose(p.file) != 0 && ok)
+bool hs_eval_csv_run(hs_eval_space *space, hs_eval_case *c, const char *folder, hs_progress *progress,
+                     hs_error *err) {
+    char path[PATH_MAX];
+    /* What is known already is written anew: a last line that was cut off goes. */
+    if (!hs_eval_csv_load(space, folder, err) || !path_of(space, folder, path, err) ||
+        !write_all(space, path, err))
+        return false;
+    rows to = {.file = fopen(path, "a"), .path = path, .progress = progress};
+    if (!to.file) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
+    const bool ok = hs_eval_space_run(space, c, keep, &to, err);
+    if (fclose(to.file) != 0 && ok)
         return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write: %s", path, strerror(errno));
     return ok;
-}
-
-bool hs_eval_csv_run(hs_eval_space *space, hs_eval_case *c, const char *folder, hs_eval_shard shard,
-                     hs_progress *progress, hs_error *err) {
-    char name[128], path[PATH_MAX];
-    if (!hs_eval_csv_load(space, folder, err)) return false;
-    if (space->done_count < space->items && shard.index < space->items &&
-        !run_shard(space, c, folder, shard, progress, err))
-        return false;
-    if (space->done_count < space->items) return true;
-    (void)snprintf(name, sizeof name, "space_%s.csv", space->name);
-    if (!hs_path_join(folder, name, path, sizeof path, err) || !write_all(space, path, err)) return false;
-    remove_parts(space, folder);
-    return true;
 }

@@ -48,7 +48,8 @@ def unit(path: Path, fields: dict[str, str]) -> float:
 def check_marks(path: Path, fields: dict[str, str]) -> None:
     """FileError for a NRRD's numbers with a comma as decimal mark: of spacings ITK reads what stands before it."""
     apart, vectors = fields.get("spacings", ""), fields.get("spacedirections", "")
-    if "," in apart or any(vector.count(",") > 2 for vector in re.findall(r"\(([^)]*)\)", vectors)):
+    parts = re.findall(r"\(([^)]*)\)", vectors)  # as many numbers as there are of them, at most
+    if "," in apart or any(part.count(",") >= max(3, len(parts)) for part in parts):
         raise FileError(f"{path}: its spacing is '{apart or vectors}', expected a point as decimal mark")
 
 

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Many scans and whole parameter spaces on Dask distributed.
+"""Many scans on Dask distributed.
 
 ``batch``: every volume of files and folders is a task. A worker process keeps its clippers active between volumes
 of one format. A task writes its files by rename, and last its row, as JSON; a volume whose row is there is done.
 So a batch goes on where it stopped, and a worker that is killed loses nothing: Dask gives its tasks to another.
-
-``study``: every shard of ``host_sim report`` is a task; the report itself goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -22,7 +20,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from . import _host, _kretz
+from . import _kretz
 from ._clip import ClipperCache
 from ._errors import FileError, HostError, MissingExtraError
 from ._files import PARTS, Source, stem, whole
@@ -323,33 +321,3 @@ def write_table(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
             writer.writerows(rows)
 
     return whole(path, write)
-
-
-# --------------------------------------------------------------------------------------------------- study
-
-
-def shard(arguments: Sequence[str], out: str, number: int, count: int) -> float:
-    """One shard of host_sim report, in a worker; returns its seconds."""
-    start = time.perf_counter()
-    _host.run(["report", *arguments, "--out", out, "--shard", f"{number}/{count}"])
-    return time.perf_counter() - start
-
-
-def study(arguments: Sequence[str], out: Path, shards: int, client: Any, step: Callable[[], Any]) -> str:
-    """All shards of a parameter space, then one report of them. Returns what the report says.
-
-    HostError: a shard failed; the others are there, and the next study begins with what is missing.
-    """
-    os.makedirs(out, exist_ok=True)
-    futures = [
-        client.submit(shard, list(arguments), str(out.resolve()), n, shards, pure=False, retries=2)
-        for n in range(1, shards + 1)
-    ]
-    failed: list[str] = []
-    for future in distributed().as_completed(futures):
-        if future.status != "finished":
-            failed.append(str(future.exception()))
-        step()
-    if failed:
-        raise HostError(f"{len(failed)} of {shards} shards failed, the first: {failed[0]}", 1)
-    return _host.run(["report", *arguments, "--out", str(out.resolve()), "--merge"])

@@ -295,21 +295,6 @@ def command_batch(args: argparse.Namespace) -> int:
     return FAILED if failed else OK
 
 
-def command_study(args: argparse.Namespace) -> int:
-    """Measures the whole parameter space."""
-    from . import _study
-
-    out = make_folder(args.out)
-    shards = args.shards or 4 * args.workers
-    report = [a for a in args.report if a != "--"]
-    with (
-        _study.cluster(args.scheduler, args.workers, tell_dashboard) as client,
-        progress(shards, "study") as bar,
-    ):
-        print(_study.study(report, out, shards, client, bar.step), end="")
-    return OK
-
-
 def tell_dashboard(link: str) -> None:
     """Where to look on."""
     print(f"smartvis: dashboard at {link}", file=sys.stderr, flush=True)
@@ -384,13 +369,6 @@ def parser_of() -> argparse.ArgumentParser:
     add_clip_options(batch)
     add_product_options(batch, "clipped,depth")
     batch.set_defaults(run=command_batch)
-
-    study = commands.add_parser("study", help="the whole parameter space on the nine cases, on many workers")
-    study.add_argument("--out", default="out/study", help="folder for the report [out/study]")
-    study.add_argument("--shards", type=positive, help="parts of the work [four a worker]")
-    add_cluster_options(study)
-    study.add_argument("report", nargs=argparse.REMAINDER, help="-- and options of 'host_sim report'")
-    study.set_defaults(run=command_study)
 
     facts = commands.add_parser("parameters", help="the plugin's parameters")
     facts.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""smartvis batch and study: every volume of a study, also if one is broken, one kills its worker, or a worker or
+"""smartvis batch: every volume of a study, also if one is broken, one kills its worker, or a worker or
 the whole batch is killed in the middle."""
 
 import csv
@@ -21,7 +21,7 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import LONG, SOURCE, host_sim, layers
+from conftest import LONG, SOURCE, layers
 
 import smartvis
 from smartvis import _study
@@ -321,20 +321,6 @@ def test_a_scheduler_elsewhere_is_used(tmp_path: Path, client) -> None:
     thread.start()
     thread.join(LONG)
     assert codes == [0] and len(table(tmp_path / "out")) == 3
-
-
-@pytest.mark.night
-def test_a_study_is_the_report_s_own(tmp_path: Path, client) -> None:
-    report = ["--case", "E01", "--size", "32", "--lowres", "16", "--coarse", "--frames", "0"]
-    steps: list[int] = []
-    said = _study.study(report, tmp_path / "shards", 3, client, lambda: steps.append(1))
-    assert len(steps) == 3 and said
-    alone = tmp_path / "alone"
-    host_sim("report", *report, "--out", alone)
-    ours = (tmp_path / "shards" / "best.csv").read_text()
-    assert ours == (alone / "best.csv").read_text() and (tmp_path / "shards" / "index.html").exists()
-    with pytest.raises(smartvis.HostError, match="3 of 3 shards failed.*Z99"):
-        _study.study(["--case", "Z99"], tmp_path / "none", 3, client, lambda: None)
 
 
 def test_wrong_calls(tmp_path: Path, capsys) -> None:

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# The evaluation end to end, small: CSV files, page, shards, comparison. Called with the source and the build
+# The evaluation end to end, small: CSV files, page, comparison. Called with the source and the build
 # folder.
 set -u
 build=$2
@@ -69,19 +69,12 @@ done
 holds [ "$(grep -c '<svg class="plot" [^>]*role="img" aria-label="[^"]' "$page")" -eq 6 ]
 holds [ "$(sed 's/base64,[^"]*//g' "$page" | grep -c 'nan\|inf<')" -eq 0 ]
 
-# --- a run that was ended goes on; shards, in any order, give the same files
+# --- a run that was ended goes on
 holds cp -r "$work/whole" "$work/again"
 code 0 "${small[@]}" --out "$work/again" --frames 0
 holds cmp "$work/whole/space_E04.csv" "$work/again/space_E04.csv"
-code 0 "${small[@]}" --out "$work/shards" --shard 2/2
-holds [ ! -e "$work/shards/index.html" ]
-code 3 "${small[@]}" --out "$work/shards" --merge
-holds grep -q 'a shard is missing' "$work/stderr"
-code 0 "${small[@]}" --out "$work/shards" --shard 1/2 --frames 0
-code 0 "${small[@]}" --out "$work/shards" --merge --frames 0
-holds cmp "$work/whole/space_D01.csv" "$work/shards/space_D01.csv"
 # Results of other settings are not mixed in.
-code 3 "${small[@]}" --out "$work/shards" --set fill_weight=1
+code 3 "${small[@]}" --out "$work/again" --set fill_weight=1
 holds grep -q 'holds results of other settings' "$work/stderr"
 
 # --- a plugin of zeros has the errors of the full volume, whatever its (missing) parameters
@@ -169,10 +162,8 @@ code 0 --quick --out "$work/real" --real "$truth" --frames 0
 holds [ -s "$work/real/space_real.csv" ]
 
 # --- command lines that are wrong
-code 2 --shard 3/2
 code 2 --case E01 extra
 code 2 --size 8
-code 2 --merge --shard 1/2
 code 2 --quick --case D01 --out "$work/bad" --set kernel=4
 code 3 --quick --case nowhere --out "$work/bad"
 code 4 --quick --case D01 --out "$work/bad" --plugin "$build/tests/plugins/no_symbol.so"
