@@ -123,7 +123,7 @@ def test_files_that_are_no_volumes_are_named(tmp_path: Path, image, capsys) -> N
     pictures = tmp_path / "plus.mha"
     sitk.WriteImage(image, str(pictures))
     pictures.write_bytes(pictures.read_bytes().replace(b"NDims", b"Kinds = domain domain list\nNDims", 1))
-    for name, words in {"text.nrrd": "", "flat.nrrd": "2 dimensions", "empty": "no DICOM series", "cut.mha": "",
+    for name, words in {"text.nrrd": "", "flat.nrrd": "2 dimensions", "empty": "no file in the folder", "cut.mha": "",
                         "none.nrrd": "no such file", "plus.mha": "pictures over time"}.items():  # fmt: skip
         assert main(["clip", str(tmp_path / name), "--out", str(tmp_path / "out")]) == 3, name
         told = "".join(capsys.readouterr())
