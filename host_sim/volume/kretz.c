@@ -69,13 +69,9 @@ uint32_t hs_kretz_count(const hs_kretz *kretz) {
     return kretz->header.count;
 }
 
-size_t hs_kretz_bytes(const hs_kretz *kretz) {
+static bool read_bytes(const hs_kretz *kretz, uint32_t index, uint8_t *voxels, hs_error *err) {
     const uint32_t *size = kretz->header.size;
-    return (size_t)size[0] * size[1] * size[2];
-}
-
-bool hs_kretz_read_bytes(const hs_kretz *kretz, uint32_t index, uint8_t *voxels, hs_error *err) {
-    const size_t bytes = hs_kretz_bytes(kretz);
+    const size_t bytes = (size_t)size[0] * size[1] * size[2];
     return hs_kretz_items_read(&kretz->items, kretz->header.voxels + (uint64_t)index * bytes, voxels, bytes,
                                err);
 }
@@ -125,7 +121,7 @@ static bool mark(const hs_kretz *kretz, hs_volume *volume, hs_error *err) {
 bool hs_kretz_read(const hs_kretz *kretz, uint32_t index, hs_volume *volume, hs_error *err) {
     const bool fresh = volume->voxels == NULL;
     if (fresh && !make(kretz, volume, err)) return false;
-    bool ok = hs_kretz_read_bytes(kretz, index, volume->beams ? volume->beams->voxels : volume->voxels, err);
+    bool ok = read_bytes(kretz, index, volume->beams ? volume->beams->voxels : volume->voxels, err);
     if (ok && volume->beams)
         hs_beams_cartesian_fill(volume);
     else if (ok)

@@ -45,11 +45,6 @@ bool hs_kretz_shape(const hs_kretz *kretz, hs_volume *shape, hs_error *err);
  */
 bool hs_kretz_read(const hs_kretz *kretz, uint32_t index, hs_volume *volume, hs_error *err);
 
-/* The bytes alone of that into `voxels`, samples * lines * planes of them, as they are in the file: for
- * measuring. Their number is hs_kretz_bytes. */
-bool hs_kretz_read_bytes(const hs_kretz *kretz, uint32_t index, uint8_t *voxels, hs_error *err);
-size_t hs_kretz_bytes(const hs_kretz *kretz);
-
 /* A file under way. Zeroed: nothing is open. */
 typedef struct {
     hs_output_file out;

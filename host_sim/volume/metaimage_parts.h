@@ -204,12 +204,4 @@ uint32_t hs_met_voxels_threads(const hs_met_voxels *voxels);
 /* Succeeds if all voxels have been read and nothing follows. */
 bool hs_met_voxels_finish(hs_met_voxels *voxels);
 
-/* The file's bytes from `first` on, up to *bytes of them, in one piece of new memory that the caller frees;
- * *bytes becomes their number. NULL with HS_ERR_INPUT or HS_ERR_MEMORY. */
-uint8_t *hs_plain_bytes(const char *path, uint64_t first, size_t *bytes, hs_error *err);
-
-/* Reads the zlib or gzip data from `first` to the file's end in one piece, and inflates its first `bytes`
- * bytes into another; both are freed. HS_ERR_INPUT or HS_ERR_MEMORY. */
-bool hs_plain_inflate(const char *path, uint64_t first, size_t bytes, hs_error *err);
-
 #endif

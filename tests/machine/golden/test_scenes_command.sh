@@ -98,10 +98,8 @@ for probe in 'start=30,axis=-20' 'start=20,axis=8,theta=70,phi=60,skew=0.4,desce
 done
 grep -qF 'from 20 mm on; the sweep'"'"'s axis at 8 mm' "$folder/out" || fail "info tells another probe: $(cat "$folder/out")"
 grep -qF 'planes over 60.0 degrees, from high to low, in uneven steps' "$folder/out" || fail "info does not tell the tables"
-"$host_sim" info --mirror --timing "$folder/vol/E02_full.vol" > "$folder/out" || fail "info --mirror --timing"
+"$host_sim" info --mirror "$folder/vol/E02_full.vol" > "$folder/out" || fail "info --mirror"
 grep -qF 'sweep + at +y, mirrored' "$folder/out" || fail "info does not tell the mirror"
-grep -qE 'with the Cartesian copy +[0-9.]+ ms' "$folder/out" || fail "info --timing tells no time"
-grep -qE "in the probe's grid +[0-9.]+ ms, [0-9.]+ times" "$folder/out" || fail "info --timing does not tell the grids apart"
 code 0 E02 --size 48 --frames 3 --export --format vol --out "$folder/sequence"
 written=("$folder"/sequence/*)
 [ ${#written[@]} -eq 3 ] || fail "a sequence is not two files and the scene: ${written[*]}"

@@ -4,7 +4,6 @@
 #include "base/cli.h"
 #include "base/options.h"
 #include "base/text.h"
-#include "commands/info_timing.h"
 #include "commands/run.h"
 #include "loop/source_options.h"
 #include "volume/fan_fit.h"
@@ -116,7 +115,7 @@ typedef struct {
     hs_metaimage_options read;
     const char *cartesian; /* file to write, or NULL */
     uint32_t number; /* of the volume that is asked for, from 1 on; 0: all are read, the first is told */
-    bool timing, help;
+    bool help;
 } request;
 
 static bool write_cartesian(const char *path, const hs_volume *v, hs_error *err) {
@@ -214,11 +213,6 @@ static const hs_option options[] = {
      HS_OPTION_COUNT, AT(number), 1, 65536, NULL},
     {"cartesian", "FILE.mha", "Kretz files: writes the Cartesian copy of that volume; of one FILE only\n",
      HS_OPTION_TEXT, AT(cartesian), 0, 0, NULL},
-    {"timing", NULL,
-     "print how long reading takes, beside reading (of compressed files: inflating) its bytes\n"
-     "alone; of a probe's volume how long sampling takes, in its own grid and in the\n"
-     "Cartesian copy\n",
-     HS_OPTION_FLAG, AT(timing), 0, 0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
 
@@ -267,7 +261,7 @@ int hs_cmd_info(int argc, char **argv) {
         const char *path = argv[i];
         const bool ok =
             hs_kretz_is_file(path) ? print_kretz(path, &r, &err) : print_metaimage(path, &r.read, &err);
-        if (!ok || (r.timing && !hs_info_timing(path, &r.kretz, &err))) return hs_cli_fail("info", &err);
+        if (!ok) return hs_cli_fail("info", &err);
     }
     return HS_OK;
 }
