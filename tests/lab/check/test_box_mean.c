@@ -163,8 +163,5 @@ static void a_wrong_volume_is_told(void **state) {
     hs_volume_free(&v);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(means_are_near_the_exact_ones),
-                                       cmocka_unit_test(a_wrong_volume_is_told)};
-    return cmocka_run_group_tests(tests, test_open_device, test_close_device);
-}
+UNIT_MAIN(test_open_device, test_close_device, cmocka_unit_test(means_are_near_the_exact_ones),
+          cmocka_unit_test(a_wrong_volume_is_told))

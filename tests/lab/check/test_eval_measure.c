@@ -187,10 +187,7 @@ static void other_pictures_are_refused(void **state) {
     close_rig(&r);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(table_holds_every_start),    cmocka_unit_test(starts_follow_the_renderer),
-        cmocka_unit_test(measures_are_those_by_hand), cmocka_unit_test(lines_are_their_maps),
-        cmocka_unit_test(missing_label_is_no_number), cmocka_unit_test(other_pictures_are_refused)};
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+UNIT_MAIN(set_up, tear_down, cmocka_unit_test(table_holds_every_start),
+          cmocka_unit_test(starts_follow_the_renderer), cmocka_unit_test(measures_are_those_by_hand),
+          cmocka_unit_test(lines_are_their_maps), cmocka_unit_test(missing_label_is_no_number),
+          cmocka_unit_test(other_pictures_are_refused))

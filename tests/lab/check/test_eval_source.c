@@ -161,12 +161,6 @@ static void a_labelled_ray_was_scanned(void **state) {
     write_maps(f);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(maps_tell_what_was_scanned),
-        cmocka_unit_test(without_maps_zeros_are_guessed_at),
-        cmocka_unit_test(wrong_maps_are_named),
-        cmocka_unit_test(a_labelled_ray_was_scanned),
-    };
-    return cmocka_run_group_tests_name("eval_source", tests, make_files, remove_files);
-}
+UNIT_MAIN(make_files, remove_files, cmocka_unit_test(maps_tell_what_was_scanned),
+          cmocka_unit_test(without_maps_zeros_are_guessed_at), cmocka_unit_test(wrong_maps_are_named),
+          cmocka_unit_test(a_labelled_ray_was_scanned))

@@ -222,10 +222,6 @@ static void common_setting_is_found_by_delta(void **state) {
     for (int s = 0; s < 2; s++) hs_eval_space_close(&spaces[s]);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(axes_are_those_of_the_thesis), cmocka_unit_test(quick_way_is_the_direct_one),
-        cmocka_unit_test(a_run_goes_on_where_it_ended), cmocka_unit_test(foreign_files_are_refused),
-        cmocka_unit_test(common_setting_is_found_by_delta)};
-    return cmocka_run_group_tests(tests, open_rig, close_rig);
-}
+UNIT_MAIN(open_rig, close_rig, cmocka_unit_test(axes_are_those_of_the_thesis),
+          cmocka_unit_test(quick_way_is_the_direct_one), cmocka_unit_test(a_run_goes_on_where_it_ended),
+          cmocka_unit_test(foreign_files_are_refused), cmocka_unit_test(common_setting_is_found_by_delta))

@@ -209,7 +209,4 @@ static void findings_of_the_thesis(void **state) {
     assert_true(sum_high > 1.2 * sum);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(findings_of_the_thesis)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(findings_of_the_thesis))

@@ -82,7 +82,4 @@ static void small_turn(void **state) {
     wall_case_free(&t);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(quarter_turn), cmocka_unit_test(small_turn)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(quarter_turn), cmocka_unit_test(small_turn))

@@ -226,12 +226,5 @@ static void real_scans(void **state) {
     if (found == 0) skip();
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fans_are_found),
-        cmocka_unit_test(what_is_stated_counts),
-        cmocka_unit_test(others_are_none),
-        cmocka_unit_test(real_scans),
-    };
-    return cmocka_run_group_tests_name("fan fit", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(fans_are_found), cmocka_unit_test(what_is_stated_counts),
+          cmocka_unit_test(others_are_none), cmocka_unit_test(real_scans))

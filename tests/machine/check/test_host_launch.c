@@ -88,11 +88,5 @@ static void test_a_launch_that_fails(void **state) {
     assert_non_null(strstr(err.text, "clEnqueueNDRangeKernel(build_brick_grid) failed: CL_INVALID_"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_launch_runs),
-        cmocka_unit_test(test_the_first_error_is_kept),
-        cmocka_unit_test(test_a_launch_that_fails),
-    };
-    return cmocka_run_group_tests(tests, open_device, close_device);
-}
+UNIT_MAIN(open_device, close_device, cmocka_unit_test(test_launch_runs),
+          cmocka_unit_test(test_the_first_error_is_kept), cmocka_unit_test(test_a_launch_that_fails))

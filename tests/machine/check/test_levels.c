@@ -145,9 +145,6 @@ static void a_size_is_said_or_doubted(void **state) {
     hs_volume_free(&said);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(whatever_lies_outside_was_not_scanned), cmocka_unit_test(what_was_scanned_stays),
-        cmocka_unit_test(grey_in_channels_is_grey), cmocka_unit_test(a_size_is_said_or_doubted)};
-    return cmocka_run_group_tests(tests, files_setup, files_teardown);
-}
+UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(whatever_lies_outside_was_not_scanned),
+          cmocka_unit_test(what_was_scanned_stays), cmocka_unit_test(grey_in_channels_is_grey),
+          cmocka_unit_test(a_size_is_said_or_doubted))

@@ -148,12 +148,7 @@ static void every_rule_has_a_file_on_either_side(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_matrix_counts_else_the_letters),
-        cmocka_unit_test(directions_and_offsets_are_taken_as_they_are),
-        cmocka_unit_test(the_probe_stands_where_the_near_end_is),
-        cmocka_unit_test(every_rule_has_a_file_on_either_side),
-    };
-    return cmocka_run_group_tests(tests, files_setup, files_teardown);
-}
+UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(the_matrix_counts_else_the_letters),
+          cmocka_unit_test(directions_and_offsets_are_taken_as_they_are),
+          cmocka_unit_test(the_probe_stands_where_the_near_end_is),
+          cmocka_unit_test(every_rule_has_a_file_on_either_side))

@@ -300,16 +300,9 @@ static void real_volumes(void **state) {
     if (found == 0) skip();
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_type_order_and_carrier),
-        cmocka_unit_test(padding_decides_what_a_zero_is),
-        cmocka_unit_test(a_window_maps_and_clamps),
-        cmocka_unit_test(a_window_that_is_none_is_refused),
-        cmocka_unit_test(the_text_may_be_written_in_many_ways),
-        cmocka_unit_test(header_size_skips_bytes_of_the_data_file),
-        cmocka_unit_test(large_volumes_cross_the_readers_buffers),
-        cmocka_unit_test(real_volumes),
-    };
-    return cmocka_run_group_tests(tests, files_setup, files_teardown);
-}
+UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(every_type_order_and_carrier),
+          cmocka_unit_test(padding_decides_what_a_zero_is), cmocka_unit_test(a_window_maps_and_clamps),
+          cmocka_unit_test(a_window_that_is_none_is_refused),
+          cmocka_unit_test(the_text_may_be_written_in_many_ways),
+          cmocka_unit_test(header_size_skips_bytes_of_the_data_file),
+          cmocka_unit_test(large_volumes_cross_the_readers_buffers), cmocka_unit_test(real_volumes))

@@ -310,18 +310,11 @@ static void compressed_nifti_is_named(void **state) {
     files_refused("g.mha", NULL);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(volumes_come_one_after_the_other),
-        cmocka_unit_test(compressed_and_mapped_sequences_are_read_alike),
-        cmocka_unit_test(what_is_said_of_a_volume_is_kept),
-        cmocka_unit_test(invalid_volumes_are_left_out),
-        cmocka_unit_test(every_rule_has_a_file_on_either_side),
-        cmocka_unit_test(the_number_of_transforms_is_bounded),
-        cmocka_unit_test(sizes_of_sequences_are_checked),
-        cmocka_unit_test(sequences_of_pictures_are_refused_by_name),
-        cmocka_unit_test(other_formats_are_named),
-        cmocka_unit_test(compressed_nifti_is_named),
-    };
-    return cmocka_run_group_tests(tests, files_setup, files_teardown);
-}
+UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(volumes_come_one_after_the_other),
+          cmocka_unit_test(compressed_and_mapped_sequences_are_read_alike),
+          cmocka_unit_test(what_is_said_of_a_volume_is_kept), cmocka_unit_test(invalid_volumes_are_left_out),
+          cmocka_unit_test(every_rule_has_a_file_on_either_side),
+          cmocka_unit_test(the_number_of_transforms_is_bounded),
+          cmocka_unit_test(sizes_of_sequences_are_checked),
+          cmocka_unit_test(sequences_of_pictures_are_refused_by_name),
+          cmocka_unit_test(other_formats_are_named), cmocka_unit_test(compressed_nifti_is_named))

@@ -194,14 +194,9 @@ static void a_full_disk_leaves_the_earlier_file(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(formats_read_back),
-        cmocka_unit_test(a_depthmap_is_written_as_stated),
-        cmocka_unit_test(a_pair_names_its_data_file_without_folder),
-        cmocka_unit_test(arrays_that_cannot_be_written_are_named),
-        cmocka_unit_test(places_that_cannot_be_written_are_named),
-        cmocka_unit_test(a_full_disk_leaves_the_earlier_file),
-    };
-    return cmocka_run_group_tests(tests, setup, files_teardown);
-}
+UNIT_MAIN(setup, files_teardown, cmocka_unit_test(formats_read_back),
+          cmocka_unit_test(a_depthmap_is_written_as_stated),
+          cmocka_unit_test(a_pair_names_its_data_file_without_folder),
+          cmocka_unit_test(arrays_that_cannot_be_written_are_named),
+          cmocka_unit_test(places_that_cannot_be_written_are_named),
+          cmocka_unit_test(a_full_disk_leaves_the_earlier_file))

@@ -89,11 +89,5 @@ static void an_impossible_jpeg_is_refused(void **state) {
     assert_null(data);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_png_is_loaded_as_it_was_saved),
-        cmocka_unit_test(a_jpeg_shows_the_picture),
-        cmocka_unit_test(an_impossible_jpeg_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_png_is_loaded_as_it_was_saved),
+          cmocka_unit_test(a_jpeg_shows_the_picture), cmocka_unit_test(an_impossible_jpeg_is_refused))

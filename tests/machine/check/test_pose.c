@@ -252,17 +252,10 @@ static void marks_are_there_only_if_something_is_known(void **state) {
     assert_string_equal(title, "scan, sweep + at -y");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(letters_and_words_name_the_directions),
-        cmocka_unit_test(letters_give_directions),
-        cmocka_unit_test(indices_lie_where_the_pose_says),
-        cmocka_unit_test(named_places_show_the_patient_however_the_volume_lies),
-        cmocka_unit_test(probes_look_into_the_volume),
-        cmocka_unit_test(the_probe_is_where_the_beams_come_from),
-        cmocka_unit_test(turns_are_the_pictures),
-        cmocka_unit_test(marks_tell_what_is_at_the_right),
-        cmocka_unit_test(marks_are_there_only_if_something_is_known),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(letters_and_words_name_the_directions),
+          cmocka_unit_test(letters_give_directions), cmocka_unit_test(indices_lie_where_the_pose_says),
+          cmocka_unit_test(named_places_show_the_patient_however_the_volume_lies),
+          cmocka_unit_test(probes_look_into_the_volume),
+          cmocka_unit_test(the_probe_is_where_the_beams_come_from), cmocka_unit_test(turns_are_the_pictures),
+          cmocka_unit_test(marks_tell_what_is_at_the_right),
+          cmocka_unit_test(marks_are_there_only_if_something_is_known))

@@ -50,7 +50,4 @@ static void nine_cases_are_frozen(void **state) {
     assert_int_equal(changed, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(nine_cases_are_frozen)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(nine_cases_are_frozen))

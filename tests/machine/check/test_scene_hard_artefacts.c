@@ -244,15 +244,7 @@ static void a_turned_camera_stands_where_it_says(void **state) {
     hs_scene_free(&d);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(haze_falls_from_the_wall),
-        cmocka_unit_test(haze_has_patches),
-        cmocka_unit_test(slices_are_thick_off_the_focus),
-        cmocka_unit_test(a_corner_is_dark),
-        cmocka_unit_test(edges_are_soft),
-        cmocka_unit_test(a_turned_camera_sees_the_same_scan),
-        cmocka_unit_test(a_turned_camera_stands_where_it_says),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(haze_falls_from_the_wall), cmocka_unit_test(haze_has_patches),
+          cmocka_unit_test(slices_are_thick_off_the_focus), cmocka_unit_test(a_corner_is_dark),
+          cmocka_unit_test(edges_are_soft), cmocka_unit_test(a_turned_camera_sees_the_same_scan),
+          cmocka_unit_test(a_turned_camera_stands_where_it_says))

@@ -156,11 +156,6 @@ static void names_missing_files_and_bad_options(void **state) {
     assert_null(data.full.voxels);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_defaults),        cmocka_unit_test(tells_the_line_of_syntax_errors),
-        cmocka_unit_test(tells_line_and_field),  cmocka_unit_test(locates_values),
-        cmocka_unit_test(survives_broken_files), cmocka_unit_test(names_missing_files_and_bad_options),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(reads_defaults), cmocka_unit_test(tells_the_line_of_syntax_errors),
+          cmocka_unit_test(tells_line_and_field), cmocka_unit_test(locates_values),
+          cmocka_unit_test(survives_broken_files), cmocka_unit_test(names_missing_files_and_bad_options))

@@ -214,16 +214,7 @@ static void artefacts_are_switched(void **state) {
     hs_scene_free(&plain);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_seed_is_a_text),
-        cmocka_unit_test(numbers_lie_in_their_ranges),
-        cmocka_unit_test(shares_are_kept),
-        cmocka_unit_test(random_scenes_are_scenes),
-        cmocka_unit_test(greys_change_the_echoes_alone),
-        cmocka_unit_test(names_are_read_strictly),
-        cmocka_unit_test(fields_are_set_otherwise),
-        cmocka_unit_test(artefacts_are_switched),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_seed_is_a_text), cmocka_unit_test(numbers_lie_in_their_ranges),
+          cmocka_unit_test(shares_are_kept), cmocka_unit_test(random_scenes_are_scenes),
+          cmocka_unit_test(greys_change_the_echoes_alone), cmocka_unit_test(names_are_read_strictly),
+          cmocka_unit_test(fields_are_set_otherwise), cmocka_unit_test(artefacts_are_switched))

@@ -135,11 +135,6 @@ static void follows_the_seed_only(void **state) {
     free(first);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(has_the_snr_of_rayleigh),    cmocka_unit_test(keeps_the_mean_power),
-        cmocka_unit_test(grains_widen_off_the_focus), cmocka_unit_test(interfaces_keep_their_level),
-        cmocka_unit_test(follows_the_seed_only),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(has_the_snr_of_rayleigh), cmocka_unit_test(keeps_the_mean_power),
+          cmocka_unit_test(grains_widen_off_the_focus), cmocka_unit_test(interfaces_keep_their_level),
+          cmocka_unit_test(follows_the_seed_only))

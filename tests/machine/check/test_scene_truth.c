@@ -206,16 +206,9 @@ static void real_volumes_are_their_own_truth(void **state) {
     hs_scene_close(scene);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(intervals_hold_only_fluid),
-        cmocka_unit_test(clean_intervals_look_dark),
-        cmocka_unit_test(what_touches_the_fetus_is_counted),
-        cmocka_unit_test(same_seed_same_bytes),
-        cmocka_unit_test(sizes_are_free),
-        cmocka_unit_test(frames_move_and_keep_their_truth),
-        cmocka_unit_test(unlisted_artefacts_cost_nothing),
-        cmocka_unit_test(real_volumes_are_their_own_truth),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(intervals_hold_only_fluid),
+          cmocka_unit_test(clean_intervals_look_dark), cmocka_unit_test(what_touches_the_fetus_is_counted),
+          cmocka_unit_test(same_seed_same_bytes), cmocka_unit_test(sizes_are_free),
+          cmocka_unit_test(frames_move_and_keep_their_truth),
+          cmocka_unit_test(unlisted_artefacts_cost_nothing),
+          cmocka_unit_test(real_volumes_are_their_own_truth))

@@ -62,9 +62,5 @@ static void whole_lines_are_printed(void **state) {
     free(text);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_visible_stays), cmocka_unit_test(what_controls_is_shown),
-        cmocka_unit_test(what_does_not_fit_is_left_out), cmocka_unit_test(whole_lines_are_printed)};
-    return cmocka_run_group_tests_name("text", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(what_is_visible_stays), cmocka_unit_test(what_controls_is_shown),
+          cmocka_unit_test(what_does_not_fit_is_left_out), cmocka_unit_test(whole_lines_are_printed))

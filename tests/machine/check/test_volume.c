@@ -270,17 +270,9 @@ static void the_first_failure_is_told(void **state) {
     hs_volume_free(&volume);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sizes_outside_the_limits_are_refused),
-        cmocka_unit_test(a_new_volume_is_zero_and_one_mm),
-        cmocka_unit_test(unscanned_equals_a_plain_flood),
-        cmocka_unit_test(a_winding_tunnel_is_followed_to_its_end),
-        cmocka_unit_test(diagonal_neighbours_do_not_connect),
-        cmocka_unit_test(extremes_keep_their_meaning),
-        cmocka_unit_test(the_fill_does_not_recurse),
-        cmocka_unit_test(a_volume_is_filled_in_pieces),
-        cmocka_unit_test(the_first_failure_is_told),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(sizes_outside_the_limits_are_refused),
+          cmocka_unit_test(a_new_volume_is_zero_and_one_mm), cmocka_unit_test(unscanned_equals_a_plain_flood),
+          cmocka_unit_test(a_winding_tunnel_is_followed_to_its_end),
+          cmocka_unit_test(diagonal_neighbours_do_not_connect), cmocka_unit_test(extremes_keep_their_meaning),
+          cmocka_unit_test(the_fill_does_not_recurse), cmocka_unit_test(a_volume_is_filled_in_pieces),
+          cmocka_unit_test(the_first_failure_is_told))

@@ -43,7 +43,4 @@ static void frames_take_no_memory(void **state) {
     f->source.count = 1;
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(frames_take_no_memory)};
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+UNIT_MAIN(set_up, tear_down, cmocka_unit_test(frames_take_no_memory))

@@ -126,11 +126,5 @@ static void every_frame_has_its_own(void **state) {
     hs_plugin_close(&plugin);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_of_no_use_leaves_the_picture_as_without),
-        cmocka_unit_test(a_map_that_is_one_widens_the_window),
-        cmocka_unit_test(every_frame_has_its_own),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+UNIT_MAIN(set_up, tear_down, cmocka_unit_test(what_is_of_no_use_leaves_the_picture_as_without),
+          cmocka_unit_test(a_map_that_is_one_widens_the_window), cmocka_unit_test(every_frame_has_its_own))

@@ -273,11 +273,7 @@ static void texts_are_passed_over(void **state) {
     free(file);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sizes_are_checked),           cmocka_unit_test(voxels_are_checked),
-        cmocka_unit_test(tables_are_checked),          cmocka_unit_test(lengths_are_checked),
-        cmocka_unit_test(cartesian_files_are_checked), cmocka_unit_test(texts_are_passed_over),
-    };
-    return cmocka_run_group_tests(tests, files_setup, files_teardown);
-}
+UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(sizes_are_checked),
+          cmocka_unit_test(voxels_are_checked), cmocka_unit_test(tables_are_checked),
+          cmocka_unit_test(lengths_are_checked), cmocka_unit_test(cartesian_files_are_checked),
+          cmocka_unit_test(texts_are_passed_over))

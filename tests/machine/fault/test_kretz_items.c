@@ -145,16 +145,8 @@ static void a_shrinking_file_is_an_error(void **state) {
     hs_kretz_close(kretz);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_follows_the_end_is_not_read),
-        cmocka_unit_test(every_cut_is_noticed),
-        cmocka_unit_test(lengths_beyond_the_file_are_refused),
-        cmocka_unit_test(swapped_numbers_are_named),
-        cmocka_unit_test(other_files_are_named),
-        cmocka_unit_test(items_are_counted),
-        cmocka_unit_test(large_files_are_read),
-        cmocka_unit_test(a_shrinking_file_is_an_error),
-    };
-    return cmocka_run_group_tests(tests, files_setup, files_teardown);
-}
+UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(what_follows_the_end_is_not_read),
+          cmocka_unit_test(every_cut_is_noticed), cmocka_unit_test(lengths_beyond_the_file_are_refused),
+          cmocka_unit_test(swapped_numbers_are_named), cmocka_unit_test(other_files_are_named),
+          cmocka_unit_test(items_are_counted), cmocka_unit_test(large_files_are_read),
+          cmocka_unit_test(a_shrinking_file_is_an_error))

@@ -272,18 +272,12 @@ static int setup(void **state) {
     return files_setup(state);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(values_out_of_range_are_named),
-        cmocka_unit_test(missing_and_repeated_fields_are_named),
-        cmocka_unit_test(every_truncation_is_refused),
-        cmocka_unit_test(data_files_of_another_length_are_refused),
-        cmocka_unit_test(every_damaged_byte_of_compressed_data_is_noticed),
-        cmocka_unit_test(compressed_streams_must_fit_the_header),
-        cmocka_unit_test(infinite_voxels_are_named),
-        cmocka_unit_test(what_is_no_metaimage_is_refused),
-        cmocka_unit_test(skipped_values_stay_out_of_messages),
-        cmocka_unit_test(messages_stay_one_printable_line),
-    };
-    return cmocka_run_group_tests(tests, setup, files_teardown);
-}
+UNIT_MAIN(setup, files_teardown, cmocka_unit_test(values_out_of_range_are_named),
+          cmocka_unit_test(missing_and_repeated_fields_are_named),
+          cmocka_unit_test(every_truncation_is_refused),
+          cmocka_unit_test(data_files_of_another_length_are_refused),
+          cmocka_unit_test(every_damaged_byte_of_compressed_data_is_noticed),
+          cmocka_unit_test(compressed_streams_must_fit_the_header),
+          cmocka_unit_test(infinite_voxels_are_named), cmocka_unit_test(what_is_no_metaimage_is_refused),
+          cmocka_unit_test(skipped_values_stay_out_of_messages),
+          cmocka_unit_test(messages_stay_one_printable_line))

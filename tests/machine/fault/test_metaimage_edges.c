@@ -205,10 +205,6 @@ static void compressed(void **state) {
     free(packed);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sizes),      cmocka_unit_test(encodings), cmocka_unit_test(data),
-        cmocka_unit_test(data_files), cmocka_unit_test(values),    cmocka_unit_test(compressed),
-    };
-    return cmocka_run_group_tests(tests, files_setup, files_teardown);
-}
+UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(sizes), cmocka_unit_test(encodings),
+          cmocka_unit_test(data), cmocka_unit_test(data_files), cmocka_unit_test(values),
+          cmocka_unit_test(compressed))

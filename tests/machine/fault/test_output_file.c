@@ -94,8 +94,5 @@ static int remove_folder(void **state) {
     return rmdir(folder);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(signals_remove_what_is_half_written),
-                                       cmocka_unit_test(an_ignored_signal_is_none)};
-    return cmocka_run_group_tests_name("output file", tests, set_up_folder, remove_folder);
-}
+UNIT_MAIN(set_up_folder, remove_folder, cmocka_unit_test(signals_remove_what_is_half_written),
+          cmocka_unit_test(an_ignored_signal_is_none))

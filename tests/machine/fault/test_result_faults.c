@@ -123,14 +123,7 @@ static void words_name_results(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(files_of_two_types_make_no_sequence),
-        cmocka_unit_test(a_confidence_that_is_not_there_is_refused),
-        cmocka_unit_test(an_orbit_has_no_one_place),
-        cmocka_unit_test(a_file_that_changed_is_noticed),
-        cmocka_unit_test(a_failed_plugin_cuts_nothing_away),
-        cmocka_unit_test(words_name_results),
-    };
-    return cmocka_run_group_tests(tests, result_set_up, result_tear_down);
-}
+UNIT_MAIN(result_set_up, result_tear_down, cmocka_unit_test(files_of_two_types_make_no_sequence),
+          cmocka_unit_test(a_confidence_that_is_not_there_is_refused),
+          cmocka_unit_test(an_orbit_has_no_one_place), cmocka_unit_test(a_file_that_changed_is_noticed),
+          cmocka_unit_test(a_failed_plugin_cuts_nothing_away), cmocka_unit_test(words_name_results))

@@ -206,14 +206,7 @@ static void what_continues(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ranges_are_the_fan),
-        cmocka_unit_test(slabs_go_as_the_plugin_takes_them),
-        cmocka_unit_test(what_it_does_not_take_is_said),
-        cmocka_unit_test(millimetres_and_time),
-        cmocka_unit_test(where_the_probe_is),
-        cmocka_unit_test(what_continues),
-    };
-    return cmocka_run_group_tests_name("handover", tests, set_up, tear_down);
-}
+UNIT_MAIN(set_up, tear_down, cmocka_unit_test(ranges_are_the_fan),
+          cmocka_unit_test(slabs_go_as_the_plugin_takes_them),
+          cmocka_unit_test(what_it_does_not_take_is_said), cmocka_unit_test(millimetres_and_time),
+          cmocka_unit_test(where_the_probe_is), cmocka_unit_test(what_continues))

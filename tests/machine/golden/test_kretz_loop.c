@@ -204,16 +204,9 @@ static void cartesian_voxels_are_handed_on(void **state) {
     hs_source_close(&source);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory_stays_flat),
-        cmocka_unit_test(volumes_come_in_any_order),
-        cmocka_unit_test(a_stream_ends_at_once),
-        cmocka_unit_test(every_frame_shows_its_volume),
-        cmocka_unit_test(a_failing_file_is_told),
-        cmocka_unit_test(what_does_not_fit_is_refused),
-        cmocka_unit_test(gaps_are_told_by_the_padding_value),
-        cmocka_unit_test(cartesian_voxels_are_handed_on),
-    };
-    return cmocka_run_group_tests(tests, sequence_set_up, sequence_tear_down);
-}
+UNIT_MAIN(sequence_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
+          cmocka_unit_test(volumes_come_in_any_order), cmocka_unit_test(a_stream_ends_at_once),
+          cmocka_unit_test(every_frame_shows_its_volume), cmocka_unit_test(a_failing_file_is_told),
+          cmocka_unit_test(what_does_not_fit_is_refused),
+          cmocka_unit_test(gaps_are_told_by_the_padding_value),
+          cmocka_unit_test(cartesian_voxels_are_handed_on))

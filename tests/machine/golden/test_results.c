@@ -260,13 +260,6 @@ static void sequences_read_back(void **state) {
     hs_source_close(&source);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(five_cameras_make_the_round_trip),
-        cmocka_unit_test(the_maps_lie_as_the_camera_looks),
-        cmocka_unit_test(depths_are_millimetres),
-        cmocka_unit_test(sequences_give_sequences),
-        cmocka_unit_test(sequences_read_back),
-    };
-    return cmocka_run_group_tests(tests, result_set_up, result_tear_down);
-}
+UNIT_MAIN(result_set_up, result_tear_down, cmocka_unit_test(five_cameras_make_the_round_trip),
+          cmocka_unit_test(the_maps_lie_as_the_camera_looks), cmocka_unit_test(depths_are_millimetres),
+          cmocka_unit_test(sequences_give_sequences), cmocka_unit_test(sequences_read_back))
