@@ -6,16 +6,28 @@
 
 const char *const scene_cases[SCENE_CASES] = {"D01", "D02", "E01", "E02", "E03", "E04", "M01", "M02", "M03"};
 
+static void give_field_back(void *field) {
+    hs_field_free(field);
+    free(field);
+}
+
+static void give_scene_back(void *data) {
+    hs_scene_free(data);
+    free(data);
+}
+
 void empty_spec(hs_scene_spec *spec) {
     hs_error err = {0};
     if (!hs_scene_read_text("empty.json", EMPTY_SCENE, spec, &err)) fail_msg("%s", err.text);
 }
 
-void one_tissue_field(hs_field *field, uint32_t n, float h, hs_tissue tissue) {
+hs_field *one_tissue_field(uint32_t n, float h, hs_tissue tissue) {
     const uint32_t size[3] = {n, n, n};
     const float spacing[3] = {h, h, h};
     hs_error err = {0};
-    memset(field, 0, sizeof *field);
+    hs_field *field = calloc(1, sizeof *field);
+    if (!field) abort();
+    unit_keep(give_field_back, field);
     if (!hs_field_init(field, size, spacing, &err)) fail_msg("%s", err.text);
     field->threads = 2;
     field->seed = 7;
@@ -25,20 +37,29 @@ void one_tissue_field(hs_field *field, uint32_t n, float h, hs_tissue tissue) {
     memset(field->surface, tissue == HS_TISSUE_FLUID ? HS_DISTANCE_FAR : -HS_DISTANCE_FAR, count);
     memset(field->bone, HS_DISTANCE_FAR, count);
     for (size_t i = 0; i < count; i++) field->diffuse[i] = field->coherent[i] = HS_LEVEL_SILENT;
+    return field;
 }
 
 double level_db(int16_t level) {
     return (double)level / HS_LEVEL_ONE;
 }
 
-void make_scene(const char *name, uint32_t size, uint32_t threads, uint64_t seed, uint32_t frame,
-                hs_scene_data *out, hs_scene_times *times) {
+hs_scene_data scene_frame(hs_scene *scene, const hs_scene_options *options, hs_scene_times *times) {
+    hs_error err = {0};
+    hs_scene_data *out = calloc(1, sizeof *out);
+    if (!out) abort();
+    unit_keep(give_scene_back, out);
+    if (!hs_scene_frame(scene, options, out, times, &err)) fail_msg("%s", err.text);
+    hs_scene_close(scene);
+    return *out;
+}
+
+hs_scene_data make_scene(const char *name, uint32_t size, uint32_t threads, uint64_t seed, uint32_t frame) {
     hs_error err = {0};
     hs_scene *scene = hs_scene_open(name, &err);
     if (!scene) fail_msg("%s", err.text);
-    const hs_scene_options options = {.size = size, .threads = threads, .seed = seed, .frame = frame};
-    if (!hs_scene_frame(scene, &options, out, times, &err)) fail_msg("%s", err.text);
-    hs_scene_close(scene);
+    return scene_frame(
+        scene, &(hs_scene_options){.size = size, .threads = threads, .seed = seed, .frame = frame}, NULL);
 }
 
 uint8_t scene_voxel(const uint8_t *voxels, const hs_volume *v, size_t pixel, long z) {
@@ -84,11 +105,9 @@ hs_scene *scene_of_text(const char *text, hs_error *err) {
     return scene;
 }
 
-void make_text_scene(const char *text, uint32_t size, hs_scene_data *out) {
+hs_scene_data make_text_scene(const char *text, uint32_t size) {
     hs_error err = {0};
     hs_scene *scene = scene_of_text(text, &err);
     if (!scene) fail_msg("%s", err.text);
-    const hs_scene_options options = {.size = size, .threads = 2};
-    if (!hs_scene_frame(scene, &options, out, NULL, &err)) fail_msg("%s", err.text);
-    hs_scene_close(scene);
+    return scene_frame(scene, &(hs_scene_options){.size = size, .threads = 2}, NULL);
 }

@@ -24,8 +24,8 @@ extern const char *const scene_cases[SCENE_CASES];
 void empty_spec(hs_scene_spec *spec);
 
 /* A cube of n^3 voxels of h mm, all of one tissue, far from any surface, with silent
- * interfaces. hs_field_free it. */
-void one_tissue_field(hs_field *field, uint32_t n, float h, hs_tissue tissue);
+ * interfaces. It is kept for the test, as are the frames below (unit.h). */
+hs_field *one_tissue_field(uint32_t n, float h, hs_tissue tissue);
 
 /* Converts a level to dB. */
 double level_db(int16_t level);
@@ -41,10 +41,12 @@ void check_scene_pixel(const hs_scene_data *data, size_t pixel);
 hs_scene *scene_of_text(const char *text, hs_error *err);
 
 /* One frame of such a scene, without speckle of its own unless the text lists it. */
-void make_text_scene(const char *text, uint32_t size, hs_scene_data *out);
+hs_scene_data make_text_scene(const char *text, uint32_t size);
 
-/* One frame of a scene. `times` may be NULL. */
-void make_scene(const char *name, uint32_t size, uint32_t threads, uint64_t seed, uint32_t frame,
-                hs_scene_data *out, hs_scene_times *times);
+/* One frame of a scene. */
+hs_scene_data make_scene(const char *name, uint32_t size, uint32_t threads, uint64_t seed, uint32_t frame);
+
+/* The same of an open one, which is closed. `times` may be NULL. */
+hs_scene_data scene_frame(hs_scene *scene, const hs_scene_options *options, hs_scene_times *times);
 
 #endif

@@ -39,13 +39,12 @@ static void write_maps(const fixture *f) {
 
 /* Maps that are unlike in every column and row, and a ray without a label of which nothing was scanned. */
 static int make_files(void **state) {
-    fixture *f = calloc(1, sizeof *f);
+    fixture *f = unit_memory(sizeof *f);
     hs_error err = {0};
     char prefix[TEXT];
-    assert_non_null(f);
     (void)strcpy(f->folder, "/tmp/eval_source_XXXXXX");
     assert_non_null(mkdtemp(f->folder));
-    make_scene("D01", N, 2, 7, 0, &f->scene, NULL);
+    f->scene = make_scene("D01", N, 2, 7, 0);
     /* Black fluid: zeros that the maps must tell from what was not scanned. */
     for (size_t i = 0; i < (size_t)RAYS * N; i++)
         if (f->scene.full.voxels[i] < 20) f->scene.full.voxels[i] = 0;
@@ -70,8 +69,7 @@ static int remove_files(void **state) {
         (void)unlink(path);
     }
     (void)rmdir(f->folder);
-    hs_scene_free(&f->scene);
-    free(f);
+    unit_return(NULL);
     return 0;
 }
 

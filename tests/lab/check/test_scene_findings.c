@@ -178,8 +178,7 @@ static void findings_of_the_thesis(void **state) {
     sv_ref_ray *rays = malloc(PIXELS * sizeof *rays);
     assert_true(low && rays);
     for (int c = 0; c < 9; c++) {
-        hs_scene_data d;
-        make_scene(scene_cases[c], SIZE, 2, 0, 0, &d, NULL);
+        hs_scene_data d = make_scene(scene_cases[c], SIZE, 2, 0, 0);
         check_histogram(scene_cases[c], &d.full);
         reduce(&d.full, low);
         const sv_ref_volume volume = {low, LOW, LOW, LOW, 0, NULL};
@@ -199,7 +198,6 @@ static void findings_of_the_thesis(void **state) {
         error[c] = found.error;
         sum += found.error;
         sum_high += high.error;
-        hs_scene_free(&d);
     }
     free(rays);
     free(low);

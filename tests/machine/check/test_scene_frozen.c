@@ -35,13 +35,10 @@ static void nine_cases_are_frozen(void **state) {
     };
     int changed = 0;
     for (int c = 0; c < SCENE_CASES; c++) {
-        hs_scene_data d;
-        make_scene(frozen[c].name, SIDE, 2, 0, 0, &d, NULL);
+        hs_scene_data d = make_scene(frozen[c].name, SIDE, 2, 0, 0);
         const uint32_t still = sum_of(&d);
-        hs_scene_free(&d);
-        make_scene(frozen[c].name, SIDE, 2, 99, 7, &d, NULL);
+        d = make_scene(frozen[c].name, SIDE, 2, 99, 7);
         const uint32_t moved = sum_of(&d);
-        hs_scene_free(&d);
         if (still == frozen[c].still && moved == frozen[c].moved) continue;
         print_error("%s: sums 0x%08x and 0x%08x, expected 0x%08x and 0x%08x\n", frozen[c].name, still, moved,
                     frozen[c].still, frozen[c].moved);

@@ -107,32 +107,27 @@ static void shares_are_kept(void **state) {
 static void random_scenes_are_scenes(void **state) {
     for (uint32_t i = 0; i < 16; i++) {
         char name[32];
-        hs_scene_data d;
         hs_error err = {0};
         (void)snprintf(name, sizeof name, "R11_%u", i);
         hs_scene *scene = hs_scene_open(name, &err);
         if (!scene) fail_msg("%s", err.text);
         assert_string_equal(hs_scene_name(scene), name);
         hs_scene_close(scene);
-        make_scene(name, 40, 2, 0, 0, &d, NULL);
+        hs_scene_data d = make_scene(name, 40, 2, 0, 0);
         for (size_t p = 0; p < (size_t)40 * 40; p++) check_scene_pixel(&d, p);
-        hs_scene_free(&d);
     }
 }
 
 /* Solids, labels and admissible depths are those of the scene without them; the volume is another one. */
 static void greys_change_the_echoes_alone(void **state) {
     enum { SIDE = 40 };
-    hs_scene_data plain, greys;
-    make_scene("R11_3", SIDE, 2, 0, 0, &plain, NULL);
-    make_scene("G11_3", SIDE, 2, 0, 0, &greys, NULL);
+    hs_scene_data plain = make_scene("R11_3", SIDE, 2, 0, 0);
+    hs_scene_data greys = make_scene("G11_3", SIDE, 2, 0, 0);
     assert_memory_equal(plain.tissue, greys.tissue, (size_t)SIDE * SIDE * SIDE);
     assert_memory_equal(plain.near_end, greys.near_end, sizeof *plain.near_end * SIDE * SIDE);
     assert_memory_equal(plain.far_end, greys.far_end, sizeof *plain.far_end * SIDE * SIDE);
     assert_memory_equal(plain.label, greys.label, sizeof *plain.label * SIDE * SIDE);
     assert_memory_not_equal(plain.full.voxels, greys.full.voxels, (size_t)SIDE * SIDE * SIDE);
-    hs_scene_free(&plain);
-    hs_scene_free(&greys);
 }
 
 static void names_are_read_strictly(void **state) {
@@ -194,24 +189,20 @@ static void artefacts_are_switched(void **state) {
     static const char *const sets[] = {"artefacts.haze=on", "artefacts.slice_thickness=on",
                                        "artefacts.dark_corner=on", "structures[0].soft_mm=4",
                                        "structures[0].echo_db=-6"};
-    hs_scene_data plain, other;
-    make_scene("E01", 64, 2, 0, 0, &plain, NULL);
+    const hs_scene_data plain = make_scene("E01", 64, 2, 0, 0);
     for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) {
         hs_error err = {0};
         hs_scene *scene = hs_scene_open_with("E01", &sets[i], 1, &err);
         if (!scene) fail_msg("%s", err.text);
         const hs_scene_options options = {.size = 64, .threads = 2};
-        assert_true(hs_scene_frame(scene, &options, &other, NULL, &err));
+        const hs_scene_data other = scene_frame(scene, &options, NULL);
         size_t changed = 0;
         for (size_t v = 0; v < hs_volume_count(&plain.full); v++)
             changed += plain.full.voxels[v] != other.full.voxels[v];
         assert_true(changed > hs_volume_count(&plain.full) / 200);
         assert_memory_equal(plain.label, other.label, (size_t)64 * 64);
         assert_memory_equal(plain.tissue, other.tissue, hs_volume_count(&plain.full));
-        hs_scene_free(&other);
-        hs_scene_close(scene);
     }
-    hs_scene_free(&plain);
 }
 
 UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_seed_is_a_text), cmocka_unit_test(numbers_lie_in_their_ranges),

@@ -5,14 +5,15 @@
 
 enum { N = 96 };
 
-static void uniform_speckle(hs_field *f, float axial, float lateral, float focus, float rayleigh) {
+static hs_field *uniform_speckle(float axial, float lateral, float focus, float rayleigh) {
     hs_scene_spec spec;
     empty_spec(&spec);
     spec.speckle = (hs_speckle_spec){true, axial, lateral, focus, rayleigh};
-    one_tissue_field(f, N, 0.5f, HS_TISSUE_SOFT);
+    hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_SOFT);
     for (size_t i = 0; i < (size_t)N * N * N; i++) f->diffuse[i] = hs_level(-30.0f);
     hs_scene_speckle(f, &spec);
     assert_false(atomic_load(&f->out_of_memory));
+    return f;
 }
 
 /* Amplitude over a cube that the border's missing neighbours do not reach. */
@@ -34,25 +35,21 @@ static void moments(const hs_field *f, double *mean, double *deviation, double *
 /* Rayleigh amplitude: mean / deviation = sqrt(pi / (4 - pi)) = 1.913 before log compression. The cube holds
  * about 72^3 / (volume of a grain, 40 voxels) = 9000 grains: 0.1 is some 5 standard errors. */
 static void has_the_snr_of_rayleigh(void **state) {
-    hs_field f;
-    uniform_speckle(&f, 0.5f, 0.9f, 24.0f, 1000.0f);
+    hs_field *f = uniform_speckle(0.5f, 0.9f, 24.0f, 1000.0f);
     double mean, deviation, power;
-    moments(&f, &mean, &deviation, &power);
+    moments(f, &mean, &deviation, &power);
     printf("SNR %.3f, mean power %.2f dB\n", mean / deviation, 10.0 * log10(power));
     assert_near(mean / deviation, 1.913, 0.1);
-    hs_field_free(&f);
 }
 
 /* The kernels have unit energy: speckle keeps the tissue's mean power (-30 dB) whatever the point spread. */
 static void keeps_the_mean_power(void **state) {
     const float lateral[3] = {0.0f, 0.6f, 1.2f};
     for (int i = 0; i < 3; i++) {
-        hs_field f;
-        uniform_speckle(&f, 0.4f, lateral[i], 24.0f, 1000.0f);
+        hs_field *f = uniform_speckle(0.4f, lateral[i], 24.0f, 1000.0f);
         double mean, deviation, power;
-        moments(&f, &mean, &deviation, &power);
+        moments(f, &mean, &deviation, &power);
         assert_near(10.0 * log10(power), -30.0, 0.3);
-        hs_field_free(&f);
     }
 }
 
@@ -79,37 +76,33 @@ static double correlation(const hs_field *f, uint32_t z, uint32_t lag_x, uint32_
  * sigma grows off the focus as sqrt(1 + ((z - z_f) / z_R)^2): focus at 8 mm, z_R 12 mm, so at 40 mm it
  * is 2.85 times wider. */
 static void grains_widen_off_the_focus(void **state) {
-    hs_field f;
-    uniform_speckle(&f, 0.5f, 0.6f, 8.0f, 12.0f);
+    hs_field *f = uniform_speckle(0.5f, 0.6f, 8.0f, 12.0f);
     const uint32_t slices[2] = {16, 80}; /* 8.25 mm and 40.25 mm */
     for (int i = 0; i < 2; i++) {
         double off = (((double)slices[i] + 0.5) * 0.5 - 8.0) / 12.0, sigma = 0.6 * sqrt(1.0 + off * off);
         uint32_t lag = i == 0 ? 1 : 3;
         double expected = exp(-0.5 * pow((double)lag * 0.5 / sigma, 2.0));
-        double found = correlation(&f, slices[i], lag, 0);
+        double found = correlation(f, slices[i], lag, 0);
         printf("z %u: sigma %.2f mm, correlation %.3f, expected %.3f\n", slices[i], sigma, found, expected);
         assert_near(found, expected, 0.06);
     }
-    assert_near(correlation(&f, 40, 0, 1), exp(-0.5 * pow(0.5 / 0.5, 2.0)), 0.06);
-    hs_field_free(&f);
+    assert_near(correlation(f, 40, 0, 1), exp(-0.5 * pow(0.5 / 0.5, 2.0)), 0.06);
 }
 
 /* An interface across the beam keeps its level behind the point spread: -10 dB in silence, at its own
  * depth. */
 static void interfaces_keep_their_level(void **state) {
     hs_scene_spec spec;
-    hs_field f;
     empty_spec(&spec);
     spec.speckle = (hs_speckle_spec){true, 0.4f, 0.8f, 24.0f, 30.0f};
-    one_tissue_field(&f, N, 0.5f, HS_TISSUE_FLUID);
-    for (size_t i = 0; i < (size_t)N * N; i++) f.coherent[hs_field_slice(&f) * 40 + i] = hs_level(-10.0f);
-    hs_scene_speckle(&f, &spec);
-    assert_false(atomic_load(&f.out_of_memory));
-    size_t middle = hs_field_index(&f, N / 2, N / 2, 40);
-    assert_near(level_db(f.envelope[middle]), -10.0, 0.1);
+    hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID);
+    for (size_t i = 0; i < (size_t)N * N; i++) f->coherent[hs_field_slice(f) * 40 + i] = hs_level(-10.0f);
+    hs_scene_speckle(f, &spec);
+    assert_false(atomic_load(&f->out_of_memory));
+    size_t middle = hs_field_index(f, N / 2, N / 2, 40);
+    assert_near(level_db(f->envelope[middle]), -10.0, 0.1);
     /* One voxel (0.5 mm) off: 20 log10 exp(-0.5 (0.5 / 0.4)^2) = -6.79 dB. */
-    assert_near(level_db(f.envelope[middle + hs_field_slice(&f)]), -16.79, 0.1);
-    hs_field_free(&f);
+    assert_near(level_db(f->envelope[middle + hs_field_slice(f)]), -16.79, 0.1);
 }
 
 static void follows_the_seed_only(void **state) {
@@ -118,19 +111,17 @@ static void follows_the_seed_only(void **state) {
     empty_spec(&spec);
     spec.speckle = (hs_speckle_spec){true, 0.4f, 0.8f, 24.0f, 30.0f};
     for (uint32_t threads = 1; threads <= 7; threads += 3) {
-        hs_field f;
-        one_tissue_field(&f, 64, 0.5f, HS_TISSUE_SOFT);
-        f.threads = threads;
-        memset(f.diffuse, 0, (size_t)64 * 64 * 64 * sizeof *f.diffuse);
-        hs_scene_speckle(&f, &spec);
-        assert_false(atomic_load(&f.out_of_memory));
+        hs_field *f = one_tissue_field(64, 0.5f, HS_TISSUE_SOFT);
+        f->threads = threads;
+        memset(f->diffuse, 0, (size_t)64 * 64 * 64 * sizeof *f->diffuse);
+        hs_scene_speckle(f, &spec);
+        assert_false(atomic_load(&f->out_of_memory));
         if (!first) {
-            first = f.envelope;
-            f.envelope = NULL;
+            first = f->envelope;
+            f->envelope = NULL;
         } else {
-            assert_memory_equal(first, f.envelope, (size_t)64 * 64 * 64 * sizeof *first);
+            assert_memory_equal(first, f->envelope, (size_t)64 * 64 * 64 * sizeof *first);
         }
-        hs_field_free(&f);
     }
     free(first);
 }

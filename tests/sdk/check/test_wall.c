@@ -16,8 +16,7 @@ static void test_scenes(void **state) {
     static const char *const names[] = {"E01", "E02", "E03", "E04", "M01", "M02",
                                         "M03", "D01", "D02", "H09", "R9_7"};
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
-        hs_scene_data data;
-        make_scene(names[n], 96, 2, 1, 0, &data, NULL);
+        hs_scene_data data = make_scene(names[n], 96, 2, 1, 0);
         const wall_shape s = {.width = 96, .height = 96, .slices = 96, .slab_slices = 16};
         assert_true(wall_compare(*state, &s, data.full.voxels, names[n]));
         if (n == 1) {
@@ -28,7 +27,6 @@ static void test_scenes(void **state) {
                 assert_true(wall_compare(*state, &other, data.full.voxels, "other slabs"));
             }
         }
-        hs_scene_free(&data);
     }
 }
 
@@ -192,8 +190,7 @@ static void test_turned_box(void **state) {
 static void test_ranges(void **state) {
     enum { W = 70, H = 53, D = 64 };
     static sv_scanned ranges[W * H];
-    hs_scene_data data;
-    make_scene("E01", D, 2, 1, 0, &data, NULL);
+    hs_scene_data data = make_scene("E01", D, 2, 1, 0);
     uint8_t *volume = wall_layered_noise(W, H, D, 12, 14, 9);
     for (uint32_t y = 0; y < H; y++)
         for (uint32_t x = 0; x < W; x++) {
@@ -212,7 +209,6 @@ static void test_ranges(void **state) {
     memset(ranges, 0, sizeof ranges);
     const wall_shape none = {W, H, D, 10, SV_NO_PADDING, {0}, ranges, NULL};
     assert_false(wall_compare(*state, &none, volume, "nothing was scanned"));
-    hs_scene_free(&data);
 }
 
 UNIT_MAIN(NULL, NULL, RIG_TEST(test_scenes), RIG_TEST(test_spacings), RIG_TEST(test_single_voxels),

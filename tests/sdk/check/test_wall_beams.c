@@ -238,11 +238,13 @@ static void test_kernels_follow_the_definition(void **state) {
             answers[unasked]++;
             continue;
         }
-        hs_scene_data data;
-        make_scene(fan == 1 ? "H11" : fan % 2 ? "E01" : fan == 6 ? "H10" : "D02", 84, 2, 1, 0, &data, NULL);
+        hs_scene_data data = make_scene(fan == 1   ? "H11"
+                                        : fan % 2  ? "E01"
+                                        : fan == 6 ? "H10"
+                                                   : "D02",
+                                        84, 2, 1, 0);
         (void)wall_compare_outcome(*state, &s, data.full.voxels, "beams", &unasked);
         answers[unasked]++;
-        hs_scene_free(&data);
     }
     print_message("answers: %u %u %u %u %u %u\n", answers[0], answers[1], answers[2], answers[3], answers[4],
                   answers[5]);

@@ -16,8 +16,7 @@ static const sv_ext_confidence *extension(const rig *r) {
 /* Active with this method, and one frame of a scene done. */
 static stage *finish_frame(rig *r, double method, bool own_queue, rig_result *out) {
     static rig_format f;
-    hs_scene_data data;
-    make_scene("E01", SIDE, 2, 1, 0, &data, NULL);
+    hs_scene_data data = make_scene("E01", SIDE, 2, 1, 0);
     f = (rig_format){.width = SIDE,
                      .height = SIDE,
                      .slices = SIDE,
@@ -25,7 +24,6 @@ static stage *finish_frame(rig *r, double method, bool own_queue, rig_result *ou
                      .own_queue = own_queue,
                      .fixed = {{rig_param(r, "method"), 0, method}}};
     stage *t = rig_stage(r, &f, data.full.voxels);
-    hs_scene_free(&data);
     *out = rig_result_make(SIDE, SIDE);
     assert_int_equal(extension(r)->offered(r->plugin), 0);
     assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
