@@ -79,8 +79,7 @@ dvr_picture dvr_render(const hs_cl *cl, const hs_volume *volume, const hs_camera
                        const hs_dvr_settings *s, const float *map, const float *confidence) {
     hs_error err = {HS_OK, ""};
     size_t pixels = (size_t)s->width * s->height;
-    dvr_picture p = {malloc(pixels * 4), malloc(pixels), malloc(pixels * sizeof(float))};
-    assert_true(p.rgba && p.gray && p.termination);
+    dvr_picture p = {unit_memory(pixels * 4), unit_memory(pixels), unit_memory(pixels * sizeof(float))};
     hs_device_volume *source = hs_device_volume_create(cl, volume, &err);
     hs_dvr *dvr = source ? hs_dvr_create(cl, s, &err) : NULL;
     if (!dvr) fail_msg("%s", err.text);
@@ -103,12 +102,6 @@ dvr_picture dvr_render(const hs_cl *cl, const hs_volume *volume, const hs_camera
     hs_dvr_destroy(dvr);
     hs_device_volume_destroy(source);
     return p;
-}
-
-void dvr_free(dvr_picture *p) {
-    free(p->rgba);
-    free(p->gray);
-    free(p->termination);
 }
 
 /* Compares a pixel; true if a decision was too close to be compared. */
@@ -166,8 +159,6 @@ void dvr_check_case(const hs_cl *cl, size_t scene, size_t view, float doubt, boo
     if ((double)close > MAX_CLOSE_SHARE * (double)pixels + 1.0) {
         fail_msg("%s: %zu of %zu pixels too close to compare", where, close, pixels);
     }
-    dvr_free(&p);
-    hs_volume_free(&volume);
 }
 
 void dvr_assert_same(const dvr_picture *a, const dvr_picture *b, size_t pixels, size_t scene, size_t view) {

@@ -46,11 +46,9 @@ typedef struct {
     float *termination;
 } dvr_picture;
 
-/* `map` and `confidence` have MAP_W * MAP_H values and may be NULL. */
+/* Kept for the test. `map` and `confidence` have MAP_W * MAP_H values and may be NULL. */
 dvr_picture dvr_render(const hs_cl *cl, const hs_volume *volume, const hs_camera *camera,
                        const hs_dvr_settings *s, const float *map, const float *confidence);
-
-void dvr_free(dvr_picture *p);
 
 /* A scene's volume, and what it is looked at with. */
 hs_volume dvr_lay_out(test_random *random, size_t scene, size_t view, float doubt, hs_camera *camera,

@@ -32,10 +32,23 @@ static uint8_t test_voxel(test_random *random, int pattern, uint32_t x, uint32_t
     }
 }
 
+static void give_volume_back(void *volume) {
+    hs_volume_free(volume);
+    free(volume);
+}
+
+void keep_volume(const hs_volume *volume) {
+    hs_volume *copy = malloc(sizeof *copy);
+    if (!copy) abort();
+    *copy = *volume;
+    unit_keep(give_volume_back, copy);
+}
+
 hs_volume test_volume(test_random *random, int pattern, const uint32_t size[3], const double spacing[3]) {
     hs_error err = {HS_OK, ""};
     hs_volume volume;
     if (!hs_volume_init(&volume, size[0], size[1], size[2], &err)) fail_msg("%s", err.text);
+    keep_volume(&volume);
     memcpy(volume.spacing, spacing, sizeof volume.spacing);
     uint8_t *voxel = volume.voxels;
     for (uint32_t z = 0; z < size[2]; z++) {
@@ -82,6 +95,7 @@ int test_open_single(void **state) {
 }
 
 int test_close_device(void **state) {
+    unit_return(NULL);
     hs_cl_close(*state);
     return 0;
 }

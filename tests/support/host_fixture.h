@@ -21,7 +21,10 @@ double test_uniform(test_random *random, double low, double high);
 /* Patterns. TEST_DOTS: single voxels on the seams between the renderer's bricks. */
 enum { TEST_NOISE, TEST_SPARSE, TEST_SMOOTH, TEST_FULL, TEST_EMPTY, TEST_CHECKER, TEST_DOTS };
 
-/* A volume of a pattern; spacing in mm. Free with hs_volume_free. */
+/* What the volume points at is given back when the test ends, and not by hs_volume_free. */
+void keep_volume(const hs_volume *volume);
+
+/* A volume of a pattern, kept; spacing in mm. */
 hs_volume test_volume(test_random *random, int pattern, const uint32_t size[3], const double spacing[3]);
 
 /* A device buffer with these contents, NULL for none. The caller releases it. */
@@ -37,5 +40,13 @@ int test_open_device(void **state);
 int test_open_single(void **state);
 
 int test_close_device(void **state);
+
+/* The program: these tests, with the kernels as this device runs them and as a GPU does. */
+#define HOST_MAIN(...)                                                                                       \
+    int main(void) {                                                                                         \
+        const struct CMUnitTest tests[] = {__VA_ARGS__};                                                     \
+        return cmocka_run_group_tests_name("packets", tests, test_open_device, test_close_device) +          \
+               cmocka_run_group_tests_name("single items", tests, test_open_single, test_close_device);      \
+    }
 
 #endif

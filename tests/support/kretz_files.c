@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/kretz_files.h"
 
+#include "support/host_fixture.h"
+
 #include <math.h>
 
 static const char magic[] = "KRETZFILE 1.0   ";
@@ -64,8 +66,7 @@ static void put_payload(uint8_t **at, const kretz_item *item) {
 uint8_t *kretz_bytes_of(const kretz_plan *plan, size_t *bytes) {
     *bytes = sizeof magic - 1 + (plan->no_end ? 0 : 8);
     for (uint32_t i = 0; i < plan->count; i++) *bytes += 8 + payload_bytes(&plan->item[i]);
-    uint8_t *file = malloc(*bytes), *at = file;
-    assert_non_null(file);
+    uint8_t *file = unit_memory(*bytes), *at = file;
     memcpy(at, magic, sizeof magic - 1);
     at += sizeof magic - 1;
     for (uint32_t i = 0; i < plan->count; i++) {
@@ -82,7 +83,6 @@ void kretz_file(const char *name, const kretz_plan *plan) {
     size_t bytes;
     uint8_t *file = kretz_bytes_of(plan, &bytes);
     files_write(name, NULL, file, bytes);
-    free(file);
 }
 
 hs_volume kretz_volume(const char *name, const hs_kretz_options *options) {
@@ -91,6 +91,7 @@ hs_volume kretz_volume(const char *name, const hs_kretz_options *options) {
     hs_kretz *kretz = hs_kretz_open(files_path(name), options, &err);
     if (!kretz || !hs_kretz_read(kretz, 0, &volume, &err)) fail_msg("%s: %s", name, err.text);
     hs_kretz_close(kretz);
+    keep_volume(&volume);
     return volume;
 }
 

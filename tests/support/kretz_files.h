@@ -37,13 +37,13 @@ kretz_item *kretz_find(kretz_plan *plan, uint16_t group, uint16_t element);
 void kretz_drop(kretz_plan *plan, uint16_t group, uint16_t element);
 void kretz_add(kretz_plan *plan, kretz_item item);
 
-/* The file's bytes; the caller frees. */
+/* The file's bytes, kept for the test. */
 uint8_t *kretz_bytes_of(const kretz_plan *plan, size_t *bytes);
 
 /* Writes it in the folder of metaimage_files.h. */
 void kretz_file(const char *name, const kretz_plan *plan);
 
-/* Opens a file and reads its first volume; the test fails if that does not go. hs_volume_free it. */
+/* Opens a file and reads its first volume; kept; the test fails if that does not go. */
 hs_volume kretz_volume(const char *name, const hs_kretz_options *options);
 
 /* Opens it and expects HS_ERR_INPUT with the file's name and `told` in the message. */

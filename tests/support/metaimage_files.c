@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/metaimage_files.h"
 
+#include "support/host_fixture.h"
+
 #include <dirent.h>
 #include <limits.h>
 #include <unistd.h>
@@ -48,8 +50,7 @@ void files_write(const char *name, const char *text, const void *data, size_t by
 
 uint8_t *files_deflate(const void *data, size_t bytes, size_t *compressed) {
     uLongf room = compressBound((uLong)bytes);
-    uint8_t *out = malloc(room);
-    assert_non_null(out);
+    uint8_t *out = unit_memory(room);
     assert_int_equal(compress2(out, &room, data, (uLong)bytes, 9), Z_OK);
     *compressed = room;
     return out;
@@ -62,10 +63,13 @@ void files_gzip(const char *name, const void *data, unsigned bytes) {
     assert_int_equal(gzclose(file), Z_OK);
 }
 
-void files_read(const char *name, const hs_metaimage_options *opt, hs_volume *out) {
+hs_volume files_read(const char *name, const hs_metaimage_options *opt) {
     hs_error err = {0};
-    if (!hs_metaimage_read(files_path(name), opt, out, &err)) fail_msg("%s", err.text);
+    hs_volume out;
+    if (!hs_metaimage_read(files_path(name), opt, &out, &err)) fail_msg("%s", err.text);
+    keep_volume(&out);
     assert_int_equal(err.code, HS_OK);
+    return out;
 }
 
 void files_refused(const char *name, const char *told) {

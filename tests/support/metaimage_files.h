@@ -19,14 +19,14 @@ const char *files_path(const char *name);
 /* A file of `text` (NULL for none) and `bytes` bytes of data behind it. */
 void files_write(const char *name, const char *text, const void *data, size_t bytes);
 
-/* zlib's one-call compression; the caller frees. */
+/* zlib's one-call compression, kept for the test. */
 uint8_t *files_deflate(const void *data, size_t bytes, size_t *compressed);
 
 /* A file of the data, compressed by gzip. */
 void files_gzip(const char *name, const void *data, unsigned bytes);
 
-/* Reads and expects success. */
-void files_read(const char *name, const hs_metaimage_options *opt, hs_volume *out);
+/* Reads and expects success; the volume is kept for the test. */
+hs_volume files_read(const char *name, const hs_metaimage_options *opt);
 
 /* Reads and expects HS_ERR_INPUT with the file's name and `told` (NULL for nothing more) in the message. */
 void files_refused(const char *name, const char *told);

@@ -40,8 +40,7 @@ static void write_fan(const char *name, hs_met_type type, double outside, uint32
 
 /* Levels from the scanned values alone, 1 at least; of bytes as they are. */
 static void expect_fan(const char *name, hs_met_type type) {
-    hs_volume v;
-    files_read(name, NULL, &v);
+    hs_volume v = files_read(name, NULL);
     for (size_t i = 0; i < COUNT; i++) {
         const double level = type == HS_MET_UCHAR
                                  ? scanned_value(i)
@@ -50,7 +49,6 @@ static void expect_fan(const char *name, hs_met_type type) {
             fail_msg("%s: voxel %zu is %u, scanned: %d, value %g", name, i, v.voxels[i], in_fan(i),
                      scanned_value(i));
     }
-    hs_volume_free(&v);
 }
 
 static void whatever_lies_outside_was_not_scanned(void **state) {
@@ -80,15 +78,13 @@ static void whatever_lies_outside_was_not_scanned(void **state) {
     (void)snprintf(paths[0], sizeof paths[0], "%s", files_path("first.mha"));
     (void)snprintf(paths[1], sizeof paths[1], "%s", files_path("end.mha"));
     const hs_metaimage_options maps = {.scanned = {paths[0], paths[1]}};
-    hs_volume v;
-    files_read("fan.mha", &maps, &v);
+    hs_volume v = files_read("fan.mha", &maps);
     uint8_t high = 0;
     for (size_t i = 0; i < COUNT; i++) {
         assert_int_equal(v.voxels[i] > 0, in_fan(i));
         high = v.voxels[i] > high ? v.voxels[i] : high;
     }
     assert_int_equal(high, 255);
-    hs_volume_free(&v);
 }
 
 /* A layer of one value is no outside, nor is a box that is all scanned. */
@@ -100,10 +96,8 @@ static void what_was_scanned_stays(void **state) {
                    N);
     for (size_t i = 0; i < COUNT; i++) layers[i] = i / N / N < 8 ? 100 : i / N / N < 16 ? 10 : 200;
     files_write("layers.mha", text, layers, sizeof layers);
-    hs_volume v;
-    files_read("layers.mha", NULL, &v);
+    hs_volume v = files_read("layers.mha", NULL);
     assert_memory_equal(v.voxels, layers, sizeof layers);
-    hs_volume_free(&v);
 }
 
 static void grey_in_channels_is_grey(void **state) {
@@ -133,16 +127,13 @@ static void a_size_is_said_or_doubted(void **state) {
         if (sizes[i].told) assert_non_null(strstr(doubt, sizes[i].told));
     }
     const hs_metaimage_options given = {.has_spacing = true, .spacing = {1, 2, 3}};
-    hs_volume unsaid, said;
     write_fan("fan.mha", HS_MET_UCHAR, 0, 1, false);
-    files_read("fan.mha", NULL, &unsaid);
-    files_read("fan.mha", &given, &said);
+    hs_volume unsaid = files_read("fan.mha", NULL);
+    hs_volume said = files_read("fan.mha", &given);
     assert_true(unsaid.spacing_unsaid && !said.spacing_unsaid && said.spacing[1] == 2.0);
     assert_true(hs_volume_doubt(&unsaid, doubt) && strstr(doubt, "--spacing X,Y,Z"));
     hs_volume_size_words(&unsaid, size);
     assert_string_equal(size, "24 x 24 x 24 voxels of unknown size: spacing not said");
-    hs_volume_free(&unsaid);
-    hs_volume_free(&said);
 }
 
 UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(whatever_lies_outside_was_not_scanned),

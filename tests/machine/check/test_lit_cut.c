@@ -131,12 +131,5 @@ static void ghosting_leaves_the_fetus_readable(void **state) {
     assert_true(veiled > 20.0); /* the occluder shows */
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cut_is_grey_and_skin_is_not),
-        cmocka_unit_test(a_cut_has_the_normal_of_the_map),
-        cmocka_unit_test(ghosting_leaves_the_fetus_readable),
-    };
-    int failed = cmocka_run_group_tests_name("packets", tests, test_open_device, test_close_device);
-    return failed + cmocka_run_group_tests_name("single rays", tests, test_open_single, test_close_device);
-}
+HOST_MAIN(cmocka_unit_test(a_cut_is_grey_and_skin_is_not), cmocka_unit_test(a_cut_has_the_normal_of_the_map),
+          cmocka_unit_test(ghosting_leaves_the_fetus_readable))

@@ -63,8 +63,7 @@ static void formats_read_back(void **state) {
         for (int variant = 0; variant < 4; variant++) {
             const hs_metaimage_format format = format_of(kind, 3, variant & 1);
             write_ok(names[variant / 2], &format);
-            hs_volume volume;
-            files_read(names[variant / 2], &options[kind], &volume);
+            hs_volume volume = files_read(names[variant / 2], &options[kind]);
             assert_int_equal(volume.nx, NX);
             assert_int_equal(volume.ny, NY);
             assert_int_equal(volume.nz, NZ);
@@ -75,7 +74,6 @@ static void formats_read_back(void **state) {
                 const uint8_t expected[] = {bytes[i], (uint8_t)((words[i] + 128) / 257), (uint8_t)i};
                 assert_int_equal(volume.voxels[i], expected[kind]);
             }
-            hs_volume_free(&volume);
         }
     }
     assert_int_equal(files_count(), 4); /* a.mha, a.mhd, a.raw, a.zraw: no temporary file is left */
@@ -187,10 +185,8 @@ static void a_full_disk_leaves_the_earlier_file(void **state) {
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
     static const char *const names[] = {"full.mha", "full.mhd"};
     for (int i = 0; i < 2; i++) {
-        hs_volume volume;
-        files_read(names[i], NULL, &volume);
+        hs_volume volume = files_read(names[i], NULL);
         assert_memory_equal(volume.voxels, bytes, COUNT);
-        hs_volume_free(&volume);
     }
 }
 

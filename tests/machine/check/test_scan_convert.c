@@ -52,8 +52,7 @@ static uint8_t *convert(const hs_cl *cl, const hs_volume *volume, const hs_camer
                         const hs_slab_layout *layout, size_t offset, size_t stride) {
     hs_error err = {HS_OK, ""};
     size_t bytes = offset + stride * hs_slab_count(layout);
-    uint8_t *out = malloc(bytes);
-    assert_non_null(out);
+    uint8_t *out = unit_memory(bytes);
     memset(out, GUARD, bytes);
     cl_mem slabs = test_buffer(cl, bytes, out);
     hs_device_volume *source = hs_device_volume_create(cl, volume, &err);
@@ -116,8 +115,6 @@ static void check_against_reference(const hs_cl *cl, size_t index) {
     const double likely = way == REF_HALVED ? 1.3e-2 : 1e-3;
     if ((double)close > (0.02 + likely * grid[0] * grid[1] * grid[2]) * (double)count)
         fail_msg("case %zu: %zu of %zu voxels skipped", index, close, count);
-    free(out);
-    hs_volume_free(&volume);
 }
 
 static void test_matches_definition(void **state) {
@@ -136,7 +133,6 @@ static void test_cases_cover_all_ways(void **state) {
         const bool straight = cases[i].yaw == 0.0 && cases[i].pitch == 0.0;
         (straight ? still : turned)[way]++;
         shared += way == REF_HALVED && grid[0] > 1 && grid[1] > 1 && grid[2] > 1;
-        hs_volume_free(&volume);
     }
     assert_true(still[REF_HALVED] >= 2 && turned[REF_HALVED] >= 3 && shared >= 1);
     assert_true(still[REF_NEAREST] >= 1 && turned[REF_NEAREST] >= 2);
@@ -172,7 +168,6 @@ static void test_linear_field_keeps_its_place(void **state) {
             if (fabs(out[i] - expected) > bound)
                 fail_msg("view %d, voxel %u: %d, expected %.3f", view, i, out[i], expected);
         }
-        free(out);
     }
     hs_volume_free(&volume);
 }
@@ -192,8 +187,7 @@ static void check_layout_case(const hs_cl *cl, size_t index, const hs_slab_layou
     const size_t stride = hs_slab_bytes(l, l->slab_slices) + 13; /* 13 bytes nobody may touch */
     uint8_t *out = convert(cl, &volume, &camera, l, offset, stride);
     const size_t bytes = offset + stride * hs_slab_count(l);
-    uint8_t *want = malloc(bytes);
-    assert_non_null(want);
+    uint8_t *want = unit_memory(bytes);
     memset(want, GUARD, bytes);
     uint32_t first = 0;
     for (uint32_t slab = 0; slab < hs_slab_count(l); slab++) {
@@ -211,10 +205,6 @@ static void check_layout_case(const hs_cl *cl, size_t index, const hs_slab_layou
     for (size_t i = 0; i < bytes; i++) {
         if (out[i] != want[i]) fail_msg("case %zu, byte %zu: %d, expected %d", index, i, out[i], want[i]);
     }
-    free(want);
-    free(out);
-    free(expected);
-    hs_volume_free(&volume);
 }
 
 /* Every split into slabs and every tiling holds the same voxels, and nothing else is written. */
@@ -272,8 +262,7 @@ static void test_replace(void **state) {
     hs_scan_converter *converter = hs_scan_converter_create(*state, &layout, &err);
     if (!source || !converter) fail_msg("%s", err.text);
     cl_mem slab = test_buffer(*state, count, NULL);
-    uint8_t *out = malloc(count);
-    assert_non_null(out);
+    uint8_t *out = unit_memory(count);
     for (uint32_t turn = 0; turn < 3 * VOLUMES; turn++) {
         uint32_t i = turn < VOLUMES ? turn : turn * 7 % 5; /* all once, then a few in turn */
         if (!hs_device_volume_replace(source, &volumes[i], &err) ||
@@ -287,25 +276,11 @@ static void test_replace(void **state) {
     other.nx--;
     assert_false(hs_device_volume_replace(source, &other, &err));
     assert_int_equal(err.code, HS_ERR_INPUT);
-    free(out);
     clReleaseMemObject(slab);
     hs_scan_converter_destroy(converter);
     hs_device_volume_destroy(source);
-    for (uint32_t i = 0; i < VOLUMES; i++) {
-        free(expected[i]);
-        hs_volume_free(&volumes[i]);
-    }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_matches_definition),
-        cmocka_unit_test(test_cases_cover_all_ways),
-        cmocka_unit_test(test_linear_field_keeps_its_place),
-        cmocka_unit_test(test_layouts),
-        cmocka_unit_test(test_impossible_layouts_are_refused),
-        cmocka_unit_test(test_replace),
-    };
-    int failed = cmocka_run_group_tests_name("packets", tests, test_open_device, test_close_device);
-    return failed + cmocka_run_group_tests_name("single voxels", tests, test_open_single, test_close_device);
-}
+HOST_MAIN(cmocka_unit_test(test_matches_definition), cmocka_unit_test(test_cases_cover_all_ways),
+          cmocka_unit_test(test_linear_field_keeps_its_place), cmocka_unit_test(test_layouts),
+          cmocka_unit_test(test_impossible_layouts_are_refused), cmocka_unit_test(test_replace))

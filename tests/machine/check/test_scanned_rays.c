@@ -88,9 +88,8 @@ static size_t check_view(const hs_cl *cl, const hs_device_volume *source, const 
     hs_error err = {0};
     const size_t stride = hs_slab_bytes(l, l->slab_slices), rays = (size_t)l->width * l->height;
     const size_t bytes = stride * hs_slab_count(l);
-    uint8_t *slabs = malloc(bytes);
-    cl_ushort2 *ranges = malloc(rays * sizeof *ranges);
-    assert_true(slabs && ranges);
+    uint8_t *slabs = unit_memory(bytes);
+    cl_ushort2 *ranges = unit_memory(rays * sizeof *ranges);
     cl_mem buffer = test_buffer(cl, bytes, NULL);
     hs_scanned_rays finder = {0};
     hs_scan_converter *converter = hs_scan_converter_create(cl, l, &err);
@@ -105,8 +104,6 @@ static size_t check_view(const hs_cl *cl, const hs_device_volume *source, const 
     hs_scanned_rays_destroy(&finder);
     hs_scan_converter_destroy(converter);
     clReleaseMemObject(buffer);
-    free(slabs);
-    free(ranges);
     return met;
 }
 
@@ -137,12 +134,7 @@ static void ranges_are_what_was_converted(void **state) {
             hs_volume v = make_volume(&random, (pattern)p, sizes[i]);
             const size_t met = check_volume(*state, &v, (pattern)p);
             assert_true(p == NOTHING ? met == 0 : met > 20);
-            hs_volume_free(&v);
         }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(ranges_are_what_was_converted)};
-    int failed = cmocka_run_group_tests_name("packets", tests, test_open_device, test_close_device);
-    return failed + cmocka_run_group_tests_name("single rays", tests, test_open_single, test_close_device);
-}
+HOST_MAIN(cmocka_unit_test(ranges_are_what_was_converted))

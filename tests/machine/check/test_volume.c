@@ -94,14 +94,12 @@ static void unscanned_equals_a_plain_flood(void **state) {
             make(&volume, widths[w], 1 + next_random() % 12, 1 + next_random() % 12);
             const size_t count = hs_volume_count(&volume);
             for (size_t i = 0; i < count; i++) volume.voxels[i] = next_random() % 100 < percents[p] ? 0 : 9;
-            uint8_t *expected = malloc(count);
-            assert_non_null(expected);
+            uint8_t *expected = unit_memory(count);
             memcpy(expected, volume.voxels, count);
             plain_flood(expected, (int)volume.nx, (int)volume.ny, (int)volume.nz);
             mark(&volume);
             assert_memory_equal(volume.voxels, expected, count);
             inner += count_value(&volume, 1);
-            free(expected);
             hs_volume_free(&volume);
         }
     }

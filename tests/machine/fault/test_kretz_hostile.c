@@ -224,7 +224,6 @@ static void check_rows(const row *rows, size_t count) {
         }
         hs_volume v = kretz_volume("row.vol", NULL);
         assert_true(hs_volume_count(&v) > 0);
-        hs_volume_free(&v);
     }
 }
 #define CHECK(rows) check_rows(rows, sizeof(rows) / sizeof((rows)[0]))
@@ -270,7 +269,6 @@ static void texts_are_passed_over(void **state) {
     assert_int_equal(err.code, HS_ERR_INPUT);
     assert_non_null(strstr(err.text, "item (0110,0002) has 65535 bytes, but"));
     assert_null(strstr(err.text, "MUSTER"));
-    free(file);
 }
 
 UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(sizes_are_checked),

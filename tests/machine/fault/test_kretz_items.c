@@ -16,18 +16,14 @@ static void what_follows_the_end_is_not_read(void **state) {
         size_t bytes;
         kretz_plan plan = kretz_good();
         plan.no_end = ended == 0;
-        uint8_t *file = kretz_bytes_of(&plan, &bytes), *more = calloc(bytes + 5, 1);
-        assert_non_null(more);
+        uint8_t *file = kretz_bytes_of(&plan, &bytes), *more = unit_memory(bytes + 5);
         memcpy(more, file, bytes);
         files_write("more.vol", NULL, more, bytes + 5);
         if (ended) {
-            hs_volume v = kretz_volume("more.vol", NULL);
-            hs_volume_free(&v);
+            kretz_volume("more.vol", NULL);
         } else {
             kretz_refused("more.vol", "5 bytes are left, an item's header needs 8");
         }
-        free(more);
-        free(file);
     }
 }
 
@@ -39,13 +35,11 @@ static void every_cut_is_noticed(void **state) {
     for (size_t n = 0; n < bytes; n++) {
         files_write("cut.vol", NULL, file, n);
         if (n == bytes - 8) {
-            hs_volume v = kretz_volume("cut.vol", NULL);
-            hs_volume_free(&v);
+            kretz_volume("cut.vol", NULL);
         } else {
             kretz_refused("cut.vol", n < 16 ? "the first 16 bytes" : "");
         }
     }
-    free(file);
 }
 
 static void lengths_beyond_the_file_are_refused(void **state) {
@@ -60,7 +54,6 @@ static void lengths_beyond_the_file_are_refused(void **state) {
         kretz_refused("long.vol", lengths_to_try[i] == 25 ? "are left, an item's header needs 8"
                                                           : "item (D000,0001) has");
     }
-    free(file);
 }
 
 static void swapped_numbers_are_named(void **state) {
@@ -71,8 +64,7 @@ static void swapped_numbers_are_named(void **state) {
     plan = kretz_good();
     kretz_add(&plan, (kretz_item){0x00C0, 0x0001, KRETZ_U16, 1, {0x0400}, NULL}); /* just another item */
     kretz_file("swapped.vol", &plan);
-    hs_volume v = kretz_volume("swapped.vol", NULL);
-    hs_volume_free(&v);
+    kretz_volume("swapped.vol", NULL);
 }
 
 static void other_files_are_named(void **state) {
@@ -93,18 +85,14 @@ static void items_are_counted(void **state) {
         plan.no_end = true;
         uint8_t *good = kretz_bytes_of(&plan, &bytes);
         const size_t items = maximum - plan.count + (size_t)extra;
-        uint8_t *file = calloc(bytes + 8 * items, 1);
-        assert_non_null(file);
+        uint8_t *file = unit_memory(bytes + 8 * items);
         memcpy(file, good, bytes);
         files_write("many.vol", NULL, file, bytes + 8 * items);
         if (extra) {
             kretz_refused("many.vol", "more than 65536 items");
         } else {
-            hs_volume v = kretz_volume("many.vol", NULL);
-            hs_volume_free(&v);
+            kretz_volume("many.vol", NULL);
         }
-        free(file);
-        free(good);
     }
 }
 
@@ -124,9 +112,7 @@ static void large_files_are_read(void **state) {
     assert_int_equal(fclose(f), 0);
     hs_volume v = kretz_volume("large.vol", NULL);
     assert_int_equal(v.beams->voxels[KRETZ_VOXELS - 1], KRETZ_VOXELS);
-    hs_volume_free(&v);
     assert_int_equal(unlink(files_path("large.vol")), 0);
-    free(file);
 }
 
 /* A file that becomes shorter between opening and reading. */

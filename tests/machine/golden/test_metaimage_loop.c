@@ -64,8 +64,7 @@ static size_t write_text(char *text, size_t room, const kind *k, uint32_t nz) {
 static uint8_t *make_voxels(const kind *k, uint32_t nz, size_t *bytes) {
     const size_t width = k->wide ? 2 : 1, volume = (size_t)NX * NY * nz * width;
     *bytes = volume * IN_FILE;
-    uint8_t *data = malloc(*bytes);
-    assert_non_null(data);
+    uint8_t *data = unit_memory(*bytes);
     memset(data, 255, *bytes);
     for (uint32_t n = 0; n < VOLUMES; n++) {
         const unsigned value = k->wide ? 100 * n : 10 + 9 * n;
@@ -79,11 +78,10 @@ static uint8_t *make_voxels(const kind *k, uint32_t nz, size_t *bytes) {
 static const char *write_sequence(const kind *k, uint32_t nz, size_t more) {
     static char path[256], text[16384];
     size_t bytes;
+    const void *mark = unit_mark();
     uint8_t *data = make_voxels(k, nz, &bytes);
     if (k->compressed) {
-        uint8_t *packed = files_deflate(data, bytes, &bytes);
-        free(data);
-        data = packed;
+        data = files_deflate(data, bytes, &bytes);
     }
     (void)snprintf(path, sizeof path, "%s", files_path(k->name));
     FILE *file = fopen(path, "wb");
@@ -93,7 +91,7 @@ static const char *write_sequence(const kind *k, uint32_t nz, size_t more) {
     assert_int_equal(fwrite(data, 1, bytes, file), bytes);
     for (size_t i = 0; i < more; i++) assert_int_equal(fputc(0, file), 0);
     assert_int_equal(fclose(file), 0);
-    free(data);
+    unit_return(mark);
     return path;
 }
 
@@ -268,7 +266,6 @@ static void a_read_that_failed_starts_anew(void **state) {
     }
     hs_volume_free(&volume);
     hs_metaimage_close(file);
-    free(packed);
 }
 
 int main(void) {
