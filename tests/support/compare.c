@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/compare.h"
 
-#include "support/unit.h"
-
 #include <math.h>
 
 /* Slices by which the fixed-point filter may differ from the float64 definition after `passes` passes. */
@@ -62,8 +60,10 @@ static void compare_maps(const rig_result *got, const rig_expected *e, uint32_t 
     compare_stats(got, e, count, where);
 }
 
+static compare_summary summary;
+
 static void compare_double(const rig_result *got, const rig_expected *e, const sv_ref_volume *volume,
-                           const rig_settings *s, const char *where, compare_summary *summary) {
+                           const rig_settings *s, const char *where) {
     const double bound = bound_of(volume, s, e->format, e->fill.passes);
     const size_t count = (size_t)volume->width * volume->height;
     for (size_t i = 0; i < count; i++) {
@@ -74,55 +74,59 @@ static void compare_double(const rig_result *got, const rig_expected *e, const s
         }
         if (!(error <= COMPARE_PROMISE))
             fail_pixel(where, "depth (promise)", i, volume->width, (double)got->depth[i], e->depth_double[i]);
-        if (error > summary->worst) summary->worst = error;
-        if (bound > 0.0 && error / bound > summary->worst_share) summary->worst_share = error / bound;
+        if (error > summary.worst) summary.worst = error;
+        if (bound > 0.0 && error / bound > summary.worst_share) summary.worst_share = error / bound;
     }
-    if (e->fill.passes > summary->max_passes) summary->max_passes = e->fill.passes;
-    summary->frames++;
+    if (e->fill.passes > summary.max_passes) summary.max_passes = e->fill.passes;
+    summary.frames++;
 }
 
-void compare_frame(rig *r, const stage *t, const sv_ref_volume *volume, const rig_settings *s,
-                   const char *where, compare_summary *summary) {
+void compare_frame(rig *r, const stage *t, const uint8_t *voxels, const rig_settings *s, const char *where) {
     char text[512];
     const void *mark = unit_mark();
+    const sv_format *f = &t->format;
+    const sv_ref_volume volume = {voxels,           f->width,
+                                  f->height,        f->slices,
+                                  f->padding_value, t->way.ranges ? (const sv_ref_range *)t->ranges : NULL};
     (void)snprintf(
         text, sizeof text,
         "%s: %u x %u x %u, padding %d, carrier %u, %u slabs, tiles_x %u, T_L %.4f, bone mode %d, k %u, "
         "omega %.2f, substeps %u, q %.2f, drop %d, evidence %.3f, gap %.2f",
-        where, volume->width, volume->height, volume->slices, volume->padding, t->format.carrier,
-        t->slab_count, t->format.tiles_x, s->fluid_threshold, s->bone.bone_mode, s->k, s->omega, s->substeps,
-        (double)s->q, s->bone.drop_empty, s->evidence, s->min_gap);
-    const uint32_t count = volume->width * volume->height;
+        where, f->width, f->height, f->slices, f->padding_value, f->carrier, t->slab_count, f->tiles_x,
+        s->fluid_threshold, s->bone.bone_mode, s->k, s->omega, s->substeps, (double)s->q, s->bone.drop_empty,
+        s->evidence, s->min_gap);
+    const uint32_t count = f->width * f->height;
     sv_param_value values[RIG_MAX_VALUES];
     const uint32_t value_count = rig_values(r, s, values);
-    rig_expected expected = rig_expect(volume, s, summary != NULL);
-    rig_result got = rig_result_make(volume->width, volume->height);
+    const rig_expected expected = rig_expect(&volume, s, true);
+    rig_result got = rig_result_make(f->width, f->height);
     memset(got.depth, 0xAB, count * sizeof *got.depth);
     memset(got.status, 0xAB, count);
     const sv_status status = rig_frame(r, t, values, value_count, &got);
     if (status != expected.outcome)
         fail_msg("%s: status is %d, expected %d; last log line: %s", text, status, expected.outcome,
                  r->last_log);
-    compare_maps(&got, &expected, volume->width, count, text);
-    if (summary) compare_double(&got, &expected, volume, s, text, summary);
+    compare_maps(&got, &expected, f->width, count, text);
+    compare_double(&got, &expected, &volume, s, text);
     unit_return(mark);
 }
 
-void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_settings *s, const char *where,
-                 compare_summary *summary) {
+void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_settings *s,
+                 const char *where) {
     const void *mark = unit_mark();
     const stage *t = rig_stage(r, f, volume);
     const sv_status status = r->plugin->activate(r->plugin, &t->format);
     if (status != SV_OK) fail_msg("%s: activate is %d: %s", where, status, r->last_log);
-    const sv_ref_volume v = {volume,    f->width,   f->height,
-                             f->slices, f->padding, (const sv_ref_range *)f->scanned};
-    compare_frame(r, t, &v, s, where, summary);
+    compare_frame(r, t, volume, s, where);
     r->plugin->deactivate(r->plugin);
     unit_return(mark);
 }
 
-void compare_print(const char *what, const compare_summary *s) {
+compare_summary compare_print(const char *what) {
+    const compare_summary s = summary;
+    summary = (compare_summary){0};
     print_message("%s: %u frames bit-equal; against float64 at most %.2e slices (%.0f %% of the bound), "
                   "at most %u passes\n",
-                  what, s->frames, s->worst, 100.0 * s->worst_share, s->max_passes);
+                  what, s.frames, s.worst, 100.0 * s.worst_share, s.max_passes);
+    return s;
 }

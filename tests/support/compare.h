@@ -6,7 +6,7 @@
 
 #include "support/rig.h"
 
-/* What many comparisons came to. Zero it first. */
+/* What the comparisons since the last compare_print came to. */
 typedef struct {
     uint32_t frames, max_passes;
     double worst;       /* slices: largest difference to the float64 definition */
@@ -16,16 +16,15 @@ typedef struct {
 /* Promised of every frame, in slices (docs/numerics.md). */
 #define COMPARE_PROMISE 1e-3
 
-/* Runs one frame of an active instance and compares; fails the test with every argument and the
- * first pixel that differs. `where` says what is being tested. With `summary`, the float64
- * definition is asked as well. */
-void compare_frame(rig *r, const stage *t, const sv_ref_volume *volume, const rig_settings *settings,
-                   const char *where, compare_summary *summary);
+/* Runs one frame of an active instance and compares; fails the test with every argument and the first pixel
+ * that differs. `volume` is what the stage was filled with; `where` says what is being tested. */
+void compare_frame(rig *r, const stage *t, const uint8_t *volume, const rig_settings *settings,
+                   const char *where);
 
 /* Activates for `f`, compares one frame, deactivates. */
 void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_settings *settings,
-                 const char *where, compare_summary *summary);
+                 const char *where);
 
-void compare_print(const char *what, const compare_summary *summary);
+compare_summary compare_print(const char *what);
 
 #endif

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/fixture.h"
 
-#include "support/unit.h"
-
 int fixture_setup(void **state) {
     fixture *f = unit_memory(sizeof *f);
     rig_open(&f->r, NULL);

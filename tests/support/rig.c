@@ -2,7 +2,6 @@
 #include "support/rig.h"
 
 #include "programs/shared_programs.h"
-#include "support/unit.h"
 
 #include "smartvis/lookup.h"
 #include <dlfcn.h>
@@ -88,6 +87,7 @@ void rig_open(rig *r, const char *path) {
 }
 
 void rig_close(rig *r) {
+    r->plugin->deactivate(r->plugin); /* an inactive one only says so */
     r->plugin->destroy(r->plugin);
     shared_programs_end(r->context);
     (void)clReleaseCommandQueue(r->queue);

@@ -8,6 +8,7 @@
 #include "ref/ref_points.h"
 #include "smartvis_plugin.h"
 #include "stage/stage.h"
+#include "support/unit.h"
 #include "sv_beams.h"
 
 #include <CL/cl.h>

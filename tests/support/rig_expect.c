@@ -2,7 +2,6 @@
 #include "support/rig.h"
 
 #include "ref/ref_mean.h"
-#include "support/unit.h"
 
 #include <assert.h>
 

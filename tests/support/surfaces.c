@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/surfaces.h"
 
-#include "support/unit.h"
-
 #include <assert.h>
 #include <math.h>
 

@@ -2,7 +2,6 @@
 #include "support/wall_compare.h"
 
 #include "support/surfaces.h"
-#include "support/unit.h"
 
 #include <math.h>
 

@@ -4,7 +4,6 @@
  * worked out in the comments, not by src/ref/. Every map goes through each of the three work layouts.
  */
 #include "support/rig.h"
-#include "support/unit.h"
 
 #include <math.h>
 

@@ -6,7 +6,6 @@
  * (cl/mean/mean_maps.cl); this test drives the kernels from there on, as src/method/method_mean.c does.
  */
 #include "support/surfaces.h"
-#include "support/unit.h"
 
 #include "common/sv_shared.h"
 #include "mean/mean_shared.h"

@@ -4,7 +4,6 @@
  * points. What is left of its accuracy, against the same definition.
  */
 #include "support/surfaces.h"
-#include "support/unit.h"
 
 #include <math.h>
 

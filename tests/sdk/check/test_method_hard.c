@@ -5,7 +5,6 @@
  * never a NaN, a hang or a crash.
  */
 #include "support/surfaces.h"
-#include "support/unit.h"
 
 #include <math.h>
 

@@ -2,7 +2,6 @@
 /* Every reconstruction method against its float64 definition, alone and behind the pre-filter; and the
  * knob. */
 #include "support/surfaces.h"
-#include "support/unit.h"
 
 #include <math.h>
 

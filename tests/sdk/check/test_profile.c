@@ -5,7 +5,6 @@
  * x 3 mean filter with fill weight 0 then leaves each depth as it is.
  */
 #include "support/rig.h"
-#include "support/unit.h"
 
 enum { SLICES = 12, SPACING = 4, FLUID = 40, BONE = 200, MAX_RAYS = 24 };
 
@@ -237,7 +236,6 @@ static void thresholds_by_hand(void **state) {
         assert_true(out.points.volume_max == 250.0f / 255.0f);
         for (uint32_t x = 0; x < RAYS; x++) assert_int_equal(out.status[x], maxima[x] > cases[i].level);
     }
-    r->plugin->deactivate(r->plugin);
 }
 
 /* Evidence: ten bone rays whose gaps are 0 (empty), 1, 1, 2, 2, 3, 3, 3, 4 and 5 slices. Those of at least

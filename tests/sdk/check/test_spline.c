@@ -5,7 +5,6 @@
  * collinear and nearly coincident points).
  */
 #include "support/surfaces.h"
-#include "support/unit.h"
 
 #include "ref/ref_spline.h"
 

@@ -6,8 +6,6 @@
 #include "ref/ref_wall_steps.h"
 #include "support/wall_fixture.h"
 
-#include <string.h>
-
 enum {
     DIM = 90,
     BRIGHTER = 95,

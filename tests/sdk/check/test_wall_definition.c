@@ -6,9 +6,6 @@
  */
 #include "support/wall_fixture.h"
 
-#include <stdio.h>
-#include <string.h>
-
 static void test_stands_between_wall_and_fetus(void **state) {
     scan s = scene();
     scan_run(&s);

@@ -7,8 +7,6 @@
 #include "ref/ref_wall_steps.h"
 #include "support/wall_fixture.h"
 
-#include <stdio.h>
-
 /* Tissue that fades from one side to the other has no mode of its own, and a quarter of the rays begin in
  * fluid. But fluid and tissue lie too far apart to be one class. */
 static void test_fading_tissue(void **state) {

@@ -8,9 +8,6 @@
 #include "support/rig.h"
 #include "support/wall_fixture.h"
 
-#include <stdio.h>
-#include <string.h>
-
 enum { FRAMES = 28, FRONT = 4, GAP_LAYERS = 5, BONES = 3 };
 static const float spacing[3] = {1.875f, 1.875f, 1.0f}; /* a layer of 2 mm is two slices */
 
@@ -148,7 +145,6 @@ static void first_frames_remember_nothing(void **state) {
     /* What was clipped although doubtful is remembered as doubtful. */
     run_unsure(r, NEAR);
     assert_int_equal(run_frame(r, NEAR, 0, SV_WALL_DOUBTFUL), SV_WALL_DOUBTFUL);
-    r->plugin->deactivate(r->plugin);
 }
 
 UNIT_MAIN(NULL, NULL, RIG_TEST(answers_do_not_flicker), RIG_TEST(first_frames_remember_nothing))

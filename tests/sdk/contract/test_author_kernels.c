@@ -8,7 +8,6 @@
 
 #include "smartvis/author_cl.h"
 #include "support/rig.h"
-#include "support/unit.h"
 
 #include <locale.h>
 #include <unistd.h>

@@ -4,7 +4,6 @@
  * too short, ids and flags that nobody knows. A refused call says why, and changes nothing.
  */
 #include "support/fixture.h"
-#include "support/unit.h"
 
 /* ---- states ---- */
 
@@ -114,16 +113,6 @@ static void null_arguments(void **state) {
     p->destroy(NULL);
 }
 
-/* A host without log, and one without extensions, are served. */
-static void a_host_without_services(void **state) {
-    fixture *f = *state;
-    f->r.host.log = NULL;
-    f->r.host.get_extension = NULL;
-    assert_int_equal(f->r.plugin->activate(f->r.plugin, NULL), SV_ERR_ARGUMENT);
-    assert_string_equal(f->r.plugin->last_error(f->r.plugin), "activate: format is NULL");
-    fixture_works(f);
-}
-
 /* ---- sizes, ids, flags ---- */
 
 static void structs_too_short(void **state) {
@@ -216,6 +205,5 @@ static void unknown_ids_and_flags(void **state) {
 
 UNIT_MAIN(NULL, NULL, FIXTURE_TEST(calls_in_the_wrong_state),
           FIXTURE_TEST_ACTIVE(a_refused_call_changes_nothing), FIXTURE_TEST(deactivate_when_inactive),
-          FIXTURE_TEST(null_arguments), FIXTURE_TEST(a_host_without_services),
-          FIXTURE_TEST_ACTIVE(structs_too_short), FIXTURE_TEST_ACTIVE(unknown_ids_and_flags),
-          FIXTURE_TEST_ACTIVE(only_known_bytes_are_touched))
+          FIXTURE_TEST(null_arguments), FIXTURE_TEST_ACTIVE(structs_too_short),
+          FIXTURE_TEST_ACTIVE(unknown_ids_and_flags), FIXTURE_TEST_ACTIVE(only_known_bytes_are_touched))

@@ -40,10 +40,6 @@ for name in first_edge kernel_edge template small_host queue_host deadline_host;
         fail "a copy of $name does not build"
     fi
 done
-for name in first_edge kernel_edge template; do
-    exported=$(nm -D --defined-only "$build_dir/examples/$name.so" | awk '{ print $3 }' | tr '\n' ' ')
-    [ -n "${SV_SANITIZE:-}" ] || [ "$exported" = "smartvis_plugin_entry " ] || fail "$name exports '$exported'"
-done
 
 # --- the small host; fluid of ray (4, 4) is in slices 8 .. 27, and q is 0.25: 27.5 - 0.25 * 20
 host() { # host CODE TEXT ARGUMENT...

@@ -7,7 +7,6 @@
  */
 #include "programs/shared_programs.h"
 #include "support/rig.h"
-#include "support/unit.h"
 
 enum { WIDTH = 19, HEIGHT = 13, SLICES = 22, RAYS = WIDTH * HEIGHT };
 

@@ -7,7 +7,6 @@
 #include "base/progress.h"
 #include "support/fixture.h"
 #include "support/surfaces.h"
-#include "support/unit.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
 

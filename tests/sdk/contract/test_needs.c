@@ -8,7 +8,6 @@
 #include "smartvis/timing.h"
 #include "support/plain_format.h"
 #include "support/rig.h"
-#include "support/unit.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
 

@@ -5,7 +5,6 @@
  */
 #include "smartvis/lookup.h"
 #include "support/fixture.h"
-#include "support/unit.h"
 
 #include <math.h>
 

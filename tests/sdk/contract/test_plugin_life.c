@@ -6,7 +6,6 @@
  */
 #include "programs/shared_programs.h"
 #include "support/fixture.h"
-#include "support/unit.h"
 
 #include <sys/wait.h>
 #include <unistd.h>

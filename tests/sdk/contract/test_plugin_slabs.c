@@ -4,7 +4,6 @@
  * stay as they are in every carrier, and slabs that end where their bytes do, are sv_validate's.
  */
 #include "support/fixture.h"
-#include "support/unit.h"
 
 /* A slab that must be refused; afterwards the frame is over and the next one is good. */
 static void refused_slab(fixture *f, uint32_t before, sv_slab slab, sv_status status, const char *text) {
