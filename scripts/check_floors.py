@@ -64,7 +64,6 @@ tools/sdk/validate | abi host_sim/base host_sim/guard tools/sdk/validate/drive t
 tools/machine | abi HOST tools/machine/commands lab/report tools/machine/console . | libc
 examples/* | abi kernels . | libc opencl
 bindings/rust/src | abi |
-python/bench | abi . | libc
 tests/* | any kernels | any
 tests/*/* | any kernels | any
 """

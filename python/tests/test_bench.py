@@ -10,8 +10,6 @@ from conftest import LONG, SOURCE
 
 BENCH = SOURCE / "python" / "bench"
 PRINTED = {
-    ("batch.py", "4", "32", "1"): r"4 volumes of 32\^3; reading alone: [\d.]+ a second\n1 worker: [\d.]+ a second",
-    ("overhead.py", "32", "5"): r"32\^3: a frame in C [\d.]+ ms, in Python [\d.]+ ms, overhead -?[\d.]+ ms",
     ("serve.py", "32", "3"): r"[\d.]+ volumes of 32\^3 a second, there and back",
     (
         "surfaces.py",
