@@ -225,6 +225,7 @@ void hs_loop_destroy(hs_loop *loop) {
     hs_slabs_destroy(loop->slabs);
     hs_device_volume_destroy(loop->volume);
     hs_screen_destroy(loop->screen);
+    free(loop->marked);
     free(loop);
 }
 
@@ -238,6 +239,11 @@ const hs_slab_layout *hs_loop_layout(const hs_loop *loop) {
 
 void hs_loop_set_values(hs_loop *loop, const sv_param_value *values, uint32_t count) {
     hs_clipper_set_values(loop->clipper, values, count);
+}
+
+void hs_loop_set_marks(hs_loop *loop, const hs_mark *marks, uint32_t count) {
+    loop->options.marks = marks;
+    loop->options.mark_count = count;
 }
 
 const hs_error *hs_loop_plugin_error(const hs_loop *loop) {
@@ -344,15 +350,14 @@ bool hs_loop_mark(hs_loop *loop, uint32_t index, const hs_clip *clip, hs_error *
     const hs_slab_layout *l = hs_loop_layout(loop);
     const uint32_t n[3] = {l->width, l->height, l->slices};
     const hs_volume *volume = hs_source_bring(loop->source, loop->resident, err);
-    float *depth = volume ? calloc((size_t)n[0] * n[1], sizeof *depth) : NULL;
-    if (!depth) return volume && hs_fail(err, HS_ERR_MEMORY, "marks: no memory for %u x %u", n[0], n[1]);
+    if (!volume) return false;
+    if (!loop->marked) loop->marked = calloc((size_t)n[0] * n[1], sizeof *loop->marked);
+    if (!loop->marked) return hs_fail(err, HS_ERR_MEMORY, "marks: no memory for %u x %u", n[0], n[1]);
     hs_camera camera;
     hs_loop_camera(loop, index, &camera);
-    const bool ok = hs_clipper_read_depth(loop->clipper, depth, err) &&
-                    hs_marks_apply(o->marks, o->mark_count, volume, &camera, n, depth, err) &&
-                    hs_clipper_write_depth(loop->clipper, depth, err);
-    free(depth);
-    return ok;
+    return hs_clipper_read_depth(loop->clipper, loop->marked, err) &&
+           hs_marks_apply(o->marks, o->mark_count, volume, &camera, n, loop->marked, err) &&
+           hs_clipper_write_depth(loop->clipper, loop->marked, err);
 }
 
 bool hs_loop_ask(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {

@@ -67,6 +67,9 @@ bool hs_loop_reactivate(hs_loop *loop, const hs_plugin *plugin, const hs_loop_op
  * destroyed. Those flagged SV_PARAM_REACTIVATE must be what they were. */
 void hs_loop_set_values(hs_loop *loop, const sv_param_value *values, uint32_t count);
 
+/* Other marks (hs_loop_options.marks) from the next frame on. Borrowed likewise. */
+void hs_loop_set_marks(hs_loop *loop, const hs_mark *marks, uint32_t count);
+
 /* The plugin's first error since the loop was created; code HS_OK if there was none. Owned by the loop. */
 const hs_error *hs_loop_plugin_error(const hs_loop *loop);
 

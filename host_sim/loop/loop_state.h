@@ -23,6 +23,7 @@ struct hs_loop {
     uint32_t before;
     bool turned;    /* the camera, since that frame */
     uint32_t asked; /* the frame that the plugin's last map is of */
+    float *marked;  /* that map with the marks; NULL until there are some */
 };
 
 /* Frame `index` on its own: it continues nothing. */

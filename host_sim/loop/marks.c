@@ -69,12 +69,13 @@ static uint32_t split(const uint64_t histogram[256]) {
     return threshold;
 }
 
-static void find_threshold(scene *s) {
+/* Of what is at most `reach` slices before or behind the mark. */
+static void find_threshold(scene *s, double reach) {
     uint64_t histogram[256] = {0};
     for (uint32_t y = 0; y < s->n[1]; y++)
         for (uint32_t x = 0; x < s->n[0]; x++)
             for (uint32_t z = 0; is_near(s, x, y) && z < s->n[2]; z++)
-                if (fabs(z - s->at[2]) <= reach_of(s)) histogram[level_at(s, x, y, z)]++;
+                if (fabs(z - s->at[2]) <= reach) histogram[level_at(s, x, y, z)]++;
     s->threshold = split(histogram);
 }
 
@@ -99,13 +100,18 @@ static float start_of(const uint32_t run[2]) {
     return run[0] > 0 ? (float)(run[0] - 1) : 0.0f;
 }
 
+/* The run that a mark at slice s->at[2] keeps of this ray, if it was cut. */
+static bool find_kept(const scene *s, uint32_t x, uint32_t y, double start, uint32_t run[2]) {
+    const double reach = reach_of(s);
+    return find_run(s, x, y, 0, fmax(0.0, s->at[2] - reach), run) && run[0] <= s->at[2] + reach &&
+           (double)start_of(run) < start;
+}
+
 static void apply_to(const scene *s, uint32_t x, uint32_t y, bool keep, float *depth) {
     const double reach = reach_of(s), start = fmax(0.0, *depth);
     uint32_t run[2], next[2];
     if (keep) {
-        const bool there =
-            find_run(s, x, y, 0, fmax(0.0, s->at[2] - reach), run) && run[0] <= s->at[2] + reach;
-        if (there && start_of(run) < *depth) *depth = start_of(run);
+        if (find_kept(s, x, y, (double)*depth, run)) *depth = start_of(run);
         return;
     }
     if (!find_run(s, x, y, 0, start, run)) return;
@@ -114,35 +120,83 @@ static void apply_to(const scene *s, uint32_t x, uint32_t y, bool keep, float *d
     *depth = start_of(next);
 }
 
-/* Where the mark lies in the box: the box' middle is the volume's. */
-static void place(scene *s, const hs_mark *mark, const hs_camera *camera) {
-    const hs_volume *v = s->volume;
-    const double size[3] = {v->nx, v->ny, v->nz};
-    double from_middle[3], seen[3];
-    for (int a = 0; a < 3; a++) from_middle[a] = mark->place[a] - 0.5 * (size[a] - 1) * v->spacing[a];
+static double middle_of(const hs_volume *v, int axis) {
+    const uint32_t size[3] = {v->nx, v->ny, v->nz};
+    return 0.5 * (size[axis] - 1.0) * v->spacing[axis];
+}
+
+void hs_marks_seen(const hs_volume *volume, const hs_camera *camera, const double place[3], double seen[3]) {
+    double from_middle[3];
+    for (int a = 0; a < 3; a++) from_middle[a] = place[a] - middle_of(volume, a);
     for (int a = 0; a < 3; a++)
         seen[a] = camera->rotation[a] * from_middle[0] + camera->rotation[3 + a] * from_middle[1] +
                   camera->rotation[6 + a] * from_middle[2];
+}
+
+void hs_marks_place(const hs_volume *volume, const hs_camera *camera, const double seen[3], double place[3]) {
+    for (int a = 0; a < 3; a++)
+        place[a] = camera->rotation[3 * a] * seen[0] + camera->rotation[3 * a + 1] * seen[1] +
+                   camera->rotation[3 * a + 2] * seen[2] + middle_of(volume, a);
+}
+
+static scene scene_of(const hs_volume *volume, const hs_camera *camera, const uint32_t n[3]) {
+    scene s = {.volume = volume, .pixel = camera->extent / n[0], .slice = camera->depth_extent / n[2]};
+    memcpy(s.n, n, sizeof s.n);
+    hs_camera_box_map(camera, volume, &s.map);
+    return s;
+}
+
+/* Where the mark lies in the box, whose middle is the volume's. */
+static void locate(scene *s, const hs_mark *mark, const hs_camera *camera) {
+    double seen[3];
+    hs_marks_seen(s->volume, camera, mark->place, seen);
     s->at[0] = (seen[0] + 0.5 * camera->extent) / s->pixel - 0.5;
     s->at[1] = (seen[1] + 0.5 * camera->extent) / s->pixel - 0.5;
     s->at[2] = (seen[2] + 0.5 * camera->depth_extent) / s->slice - 0.5;
     s->radius = mark->radius;
 }
 
+/* Whether a mark at slice z lies on tissue that it would keep. Fluid alone has a threshold, too: below
+ * `least`.
+ */
+static bool keeps_at(scene *s, uint32_t x, uint32_t y, double z, double start, double least) {
+    uint32_t run[2];
+    s->at[2] = z;
+    find_threshold(s, reach_of(s));
+    return s->threshold >= least && find_kept(s, x, y, start, run) && run[0] <= z && z < run[1];
+}
+
+bool hs_marks_find_cut(hs_mark *mark, const hs_volume *volume, const hs_camera *camera, const uint32_t n[3],
+                       const float *depth) {
+    scene s = scene_of(volume, camera, n);
+    double seen[3];
+    locate(&s, mark, camera);
+    if (!(s.at[0] > -0.5 && s.at[1] > -0.5 && s.at[0] < n[0] - 0.5 && s.at[1] < n[1] - 0.5)) return false;
+    const uint32_t x = (uint32_t)(s.at[0] + 0.5), y = (uint32_t)(s.at[1] + 0.5);
+    const double start = fmin((double)depth[(size_t)y * n[0] + x], n[2] - 1.0);
+    find_threshold(&s, n[2]);
+    const double least = 0.25 * s.threshold; /* of that of the whole ray */
+    double z = start > 0.0 ? floor(start) : -1.0;
+    while (z >= 0.0 && !keeps_at(&s, x, y, z, start, least)) z -= 1.0;
+    if (z < 0.0) return false;
+    hs_marks_seen(volume, camera, mark->place, seen);
+    seen[2] = (z + 0.5) * s.slice - 0.5 * camera->depth_extent;
+    hs_marks_place(volume, camera, seen, mark->place);
+    return true;
+}
+
 bool hs_marks_apply(const hs_mark *marks, uint32_t count, const hs_volume *volume, const hs_camera *camera,
                     const uint32_t n[3], float *depth, hs_error *err) {
-    scene s = {.volume = volume, .pixel = camera->extent / n[0], .slice = camera->depth_extent / n[2]};
+    scene s = scene_of(volume, camera, n);
     if (count > HS_MARKS_MAX)
         return hs_fail(err, HS_ERR_USAGE, "%u marks, expected at most %d", count, HS_MARKS_MAX);
-    memcpy(s.n, n, sizeof s.n);
-    hs_camera_box_map(camera, volume, &s.map);
     for (uint32_t i = 0; i < count; i++) {
         const hs_mark *m = &marks[i];
         if (!isfinite(m->place[0] + m->place[1] + m->place[2]) || !(m->radius > 0.0 && isfinite(m->radius)))
             return hs_fail(err, HS_ERR_USAGE, "mark %g,%g,%g,%g: expected x, y, z in mm and a radius above 0",
                            m->place[0], m->place[1], m->place[2], m->radius);
-        place(&s, m, camera);
-        find_threshold(&s);
+        locate(&s, m, camera);
+        find_threshold(&s, reach_of(&s));
         for (uint32_t y = 0; y < n[1]; y++)
             for (uint32_t x = 0; x < n[0]; x++)
                 if (is_near(&s, x, y)) apply_to(&s, x, y, m->keep != 0, &depth[(size_t)y * n[0] + x]);

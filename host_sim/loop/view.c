@@ -52,6 +52,15 @@ bool hs_loop_maps(hs_loop *loop, uint32_t index, hs_maps *maps, hs_error *err) {
     return ok && hs_loop_read_maps(loop, index, &frame, maps, err);
 }
 
+bool hs_loop_pick(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_frame *frame, hs_camera *window,
+                  uint32_t *steps, float *ends, hs_error *err) {
+    hs_start_depths depths;
+    const hs_start_depths *start = hs_loop_start(loop, index, frame, window, &depths);
+    *steps = hs_screen_steps(screen, loop->volume, window);
+    return hs_screen_render(screen, loop->volume, window, start, true, err) &&
+           hs_screen_read_termination(screen, ends, err);
+}
+
 void hs_maps_free(hs_maps *maps) {
     free(maps->depth);
     free(maps->status);

@@ -20,6 +20,7 @@ static const char *const parts[][2] = {
                "\"ghost_offset\":-1,"
                "\"ghost_doubt\":2,\"exposure\":1}"},
     {"lanes", "[{\"plugin\":0,\"values\":{\"q\":0.25,\"method\":1}},{\"plugin\":1,\"values\":{}}]"},
+    {"marks", "[[60,50,-0.25,5,0],[1,2,3,4.5,1]]"},
 };
 enum { PARTS = sizeof parts / sizeof *parts };
 
@@ -76,6 +77,9 @@ static void a_state_arrives_as_it_was_meant(void **unused) {
     assert_true(s->lane[0].values[0].value == 0.25);
     assert_int_equal(s->lane[1].plugin, 1);
     assert_int_equal(s->lane[1].count, 0);
+    assert_int_equal(s->mark_count, 2);
+    assert_true(s->marks[0].place[2] == -0.25 && s->marks[0].radius == 5 && s->marks[0].keep == 0);
+    assert_true(s->marks[1].place[0] == 1 && s->marks[1].radius == 4.5 && s->marks[1].keep == 1);
 }
 
 static void a_file_and_one_lane_are_a_state_too(void **unused) {
@@ -106,6 +110,12 @@ static void the_other_messages(void **unused) {
     assert_int_equal(m.view, HS_CONSOLE_TRUTH);
     assert_true(read_text("{\"type\":\"do\",\"what\":\"write\"}", &m, &err));
     assert_int_equal(m.deed, HS_CONSOLE_WRITE);
+    assert_true(read_text(
+        "{\"type\":\"do\",\"what\":\"mark\",\"view\":\"full\",\"at\":[0.25,1],\"radius\":3,\"keep\":true}",
+        &m, &err));
+    assert_int_equal(m.deed, HS_CONSOLE_MARK);
+    assert_int_equal(m.view, HS_CONSOLE_FULL);
+    assert_true(m.at[0] == 0.25 && m.at[1] == 1 && m.mark.radius == 3 && m.mark.keep == 1);
 }
 
 static void what_is_no_message_is_refused(void **unused) {
@@ -197,6 +207,9 @@ static void a_wrong_field_is_named(void **unused) {
          "0,"
          "\"ghost_doubt\":2,\"exposure\":1}",
          "threshold_high is 0.4"},
+        {"marks", "[[1,2,3,4]]", "marks: expected 5 numbers"},
+        {"marks", "[[1,2,3,0,1]]", "marks: a radius of 0 mm"},
+        {"marks", "[[1e9,2,3,4,1]]", "marks: 1e+09 is outside"},
         {"lanes", "[]", "lanes: expected 1 .. 2"},
         {"lanes", "[1]", "lanes: expected an object"},
         {"lanes", "[{\"plugin\":0}]", "lanes: 'values' is missing"},

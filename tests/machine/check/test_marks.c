@@ -82,6 +82,22 @@ static void test_marks_turn_with_the_volume(void **state) {
             assert_float_equal(depth[y * SIDE + x], hypot(x - 5, y - 6) <= 1.0 ? 34.0f : 18.0f, 0.0f);
 }
 
+/* What was cut last before the face is the cord, whose end is slice 17; what was cut first is the skin. */
+static void test_what_was_cut_last(void **state) {
+    hs_camera camera;
+    const hs_volume volume = cord_before_face(&camera);
+    hs_mark mark = {{6.0, 6.0, 30.0}, 3.0, 1};
+    for (int i = 0; i < SIDE * SIDE; i++) depth[i] = 24.0f;
+    assert_true(hs_marks_find_cut(&mark, &volume, &camera, n, depth));
+    assert_true(mark.place[0] == 6.0 && mark.place[1] == 6.0 && fabs(mark.place[2] - 17.0) < 1e-9);
+    for (int i = 0; i < SIDE * SIDE; i++) depth[i] = 2.0f; /* inside the skin */
+    assert_true(hs_marks_find_cut(&mark, &volume, &camera, n, depth) && fabs(mark.place[2] - 2.0) < 1e-9);
+    for (int i = 0; i < SIDE * SIDE; i++) depth[i] = 0.0f;
+    assert_false(hs_marks_find_cut(&mark, &volume, &camera, n, depth));
+    mark.place[0] = -2.0; /* beside the map */
+    assert_false(hs_marks_find_cut(&mark, &volume, &camera, n, depth));
+}
+
 static void test_what_is_no_mark(void **state) {
     hs_camera camera;
     hs_error err = {0};
@@ -99,4 +115,5 @@ UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_remove_goes_to_the_next_tissue),
           cmocka_unit_test(test_remove_leaves_the_last_tissue),
           cmocka_unit_test(test_remove_works_where_it_is_seen),
           cmocka_unit_test(test_keep_brings_back_the_skin), cmocka_unit_test(test_keep_after_remove),
-          cmocka_unit_test(test_marks_turn_with_the_volume), cmocka_unit_test(test_what_is_no_mark))
+          cmocka_unit_test(test_marks_turn_with_the_volume), cmocka_unit_test(test_what_was_cut_last),
+          cmocka_unit_test(test_what_is_no_mark))

@@ -3,13 +3,13 @@
 
 import json
 import os
-import shlex
 import subprocess
 import sys
 import time
 
+import console_look
 from console_client import holds
-from console_look import RESULT, a_page, all_pixels, choose, pixels, png_pixels, settle, snapshot
+from console_look import RESULT, a_page, all_pixels, choose, pixels, settle
 from page_looks import looks, tab_order
 from webdriver import KEYS, PATIENCE
 
@@ -21,19 +21,8 @@ START = "#scene=D01,96,3"
 os.environ["ASAN_OPTIONS"] = os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"
 
 
-def run_of(b, work):
-    """The number of result.png of the command line that the page shows."""
-    words = shlex.split(b.run("return at('line').value").split("\n")[0])
-    holds(words[:2] == ["host_sim", "run"], f"the command line is {words}")
-    out = os.path.join(work, "run")
-    done = subprocess.run([HOST_SIM, *words[1:], "--few-pictures", "--out", out], capture_output=True, text=True, check=False)
-    holds(done.returncode == 0, f"{words}: {done.stderr}")
-    return png_pixels(b, os.path.join(out, "result.png"))
-
-
 def as_run_draws_it(b, work, what):
-    shown, run = snapshot(b, work), run_of(b, work)
-    holds(shown == run and run.startswith("512:"), f"{what}: the snapshot is {shown}, run draws {run}")
+    console_look.as_run_draws_it(b, HOST_SIM, work, what)
 
 
 def it_loads(b):

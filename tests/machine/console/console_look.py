@@ -4,6 +4,8 @@
 import base64
 import contextlib
 import os
+import shlex
+import subprocess
 import tempfile
 
 from console_client import Console, holds, until
@@ -68,7 +70,7 @@ def all_pixels(b):
 
 def snapshot(b, work):
     """The number of the result as the page saves it."""
-    path = os.path.join(work, "smartvis_D01_result.png")
+    path = os.path.join(work, b.run("return 'smartvis_' + lastFigures.of.source.scene + '_result.png'"))
     if os.path.exists(path):
         os.remove(path)
     b.run("at('snapshot-view').value = 'result'; delete document.body.dataset.snapshot")
@@ -76,6 +78,21 @@ def snapshot(b, work):
     size = b.wait_for("document.body.dataset.snapshot", "the snapshot")
     until(lambda: os.path.exists(path) and os.path.getsize(path) == int(size), PATIENCE, "the snapshot's file")
     return png_pixels(b, path)
+
+
+def run_of(b, host_sim, work, *more):
+    """The folder of what the command line that the page shows writes."""
+    words = shlex.split(b.run("return at('line').value").split("\n")[0])
+    holds(words[:2] == ["host_sim", "run"], f"the command line is {words}")
+    out = os.path.join(work, "run")
+    done = subprocess.run([host_sim, *words[1:], "--few-pictures", "--out", out, *more], capture_output=True, text=True, check=False)
+    holds(done.returncode == 0, f"{words}: {done.stderr}")
+    return out
+
+
+def as_run_draws_it(b, host_sim, work, what):
+    shown, run = snapshot(b, work), png_pixels(b, os.path.join(run_of(b, host_sim, work), "result.png"))
+    holds(shown == run and run.startswith("512:"), f"{what}: the snapshot is {shown}, run draws {run}")
 
 
 def choose(b, control, value):

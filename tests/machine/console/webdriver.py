@@ -94,10 +94,10 @@ class Browser:
     def keys(self, css, text):
         self.call("POST", f"/element/{self.element(css)}/value", {"text": text})
 
-    def press(self, key):
-        """A key for whatever has the focus."""
-        self.call("POST", "/actions", {"actions": [{"type": "key", "id": "keyboard", "actions": [
-            {"type": "keyDown", "value": key}, {"type": "keyUp", "value": key}]}]})
+    def press(self, *keys):
+        """Keys that are held together, for whatever has the focus."""
+        actions = [{"type": "keyDown", "value": key} for key in keys] + [{"type": "keyUp", "value": key} for key in reversed(keys)]
+        self.call("POST", "/actions", {"actions": [{"type": "key", "id": "keyboard", "actions": actions}]})
 
     def click(self, css):
         self.call("POST", f"/element/{self.element(css)}/click", {})

@@ -80,6 +80,8 @@ typedef struct {
     double cross[3];     /* where the slices lie, 0 .. 1 of the picture's window: right, down, away */
     hs_dvr_settings dvr; /* but for the picture's size */
     hs_console_lane lane[HS_CONSOLE_LANES]; /* lane 0 is always used */
+    hs_mark marks[HS_MARKS_MAX];            /* for all lanes */
+    uint32_t mark_count;
 } hs_console_state;
 
 /* -------------------------------------------------------------------------------------------- messages -- */
@@ -96,7 +98,8 @@ typedef enum {
 
 typedef enum {
     HS_CONSOLE_SNAPSHOT, /* sends `view` as a PNG */
-    HS_CONSOLE_WRITE     /* writes results: `write` */
+    HS_CONSOLE_WRITE,    /* writes results: `write` */
+    HS_CONSOLE_MARK      /* tells where in the volume `mark` is that was put `at` this place of `view` */
 } hs_console_deed;
 
 typedef struct {
@@ -105,6 +108,8 @@ typedef struct {
     uint64_t seen;
     hs_console_deed deed;
     hs_console_view view;
+    hs_mark mark; /* its place is still to be found */
+    double at[2]; /* 0 .. 1 of the picture: right, down */
 } hs_console_message;
 
 /* Reads `bytes` bytes, which need not end with a NUL. HS_ERR_INPUT names the field, its value and what is
@@ -297,6 +302,13 @@ bool hs_console_stage_changes_source(const hs_console_stage *stage, const hs_con
 bool hs_console_stage_show(hs_console_stage *stage, const hs_console_state *state, uint32_t index,
                            hs_error *err);
 
+/* Finds the place of a mark that was put on a picture, to hundredths of a millimetre. On the full volume it
+ * is what is seen there; on a result what is seen there to remove, what was cut last before it to keep.
+ * "Seen": where a ray's opacity reaches one half. HS_ERR_INPUT: nothing is there, or the mark would change
+ * nothing. HS_ERR_DEVICE, HS_ERR_MEMORY. */
+bool hs_console_stage_mark(hs_console_stage *stage, hs_console_view view, const double at[2], hs_mark *mark,
+                           hs_error *err);
+
 /* True if the library of one of its lanes was built anew: the next hs_console_stage_show opens it again, with
  * the values it had. */
 bool hs_console_stage_is_rebuilt(const hs_console_stage *stage);
@@ -329,6 +341,9 @@ char *hs_console_reply_frame(const hs_console_stage *stage, const hs_console_sho
 
 /* A frame that was not drawn: the page need not wait for it. */
 char *hs_console_reply_skipped(uint64_t frame);
+
+/* A mark whose place was found, as a state has it. */
+char *hs_console_reply_marked(const hs_mark *mark);
 
 /* "refused" or "busy" with a text for a person, "written" with the folder. */
 char *hs_console_reply_text(const char *type, const char *text);

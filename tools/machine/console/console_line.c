@@ -135,6 +135,18 @@ static void put_camera(FILE *out, const hs_console_stage *stage) {
     }
 }
 
+static void put_marks(FILE *out, const hs_console_state *s) {
+    for (uint32_t i = 0; i < s->mark_count; i++) {
+        const hs_mark *m = &s->marks[i];
+        const double values[4] = {m->place[0], m->place[1], m->place[2], m->radius};
+        for (int k = 0; k < 4; k++) {
+            char text[32];
+            number_text(values[k], text, sizeof text);
+            (void)fprintf(out, "%s%s", k > 0 ? "," : m->keep ? " --keep " : " --remove ", text);
+        }
+    }
+}
+
 /* A run's pictures are of its middle frame. */
 static void put_frames(FILE *out, const hs_console_stage *stage) {
     const uint32_t index = stage->index % stage->source.count;
@@ -151,6 +163,7 @@ char *hs_console_line(const hs_console_stage *stage, uint32_t lane) {
     put_plugin(out, stage, &stage->lane[lane]);
     put_camera(out, stage);
     put_renderer(out, &stage->state);
+    put_marks(out, &stage->state);
     put_frames(out, stage);
     if (fclose(out) == 0) return text;
     free(text);

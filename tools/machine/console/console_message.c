@@ -108,10 +108,9 @@ static bool hs_console_word(const json_t *object, const char *key, const char *c
     return hs_fail(err, HS_ERR_INPUT, "message: %s: '%s' is not known", key, word);
 }
 
-/* An array of `count` numbers in low .. high. */
-static bool hs_console_numbers(const json_t *object, const char *key, uint32_t count, double low, double high,
-                               double *out, hs_error *err) {
-    const json_t *array = json_object_get(object, key);
+/* An array of `count` numbers in low .. high; and the same as a member. */
+static bool numbers_of(const json_t *array, const char *key, uint32_t count, double low, double high,
+                       double *out, hs_error *err) {
     if (!json_is_array(array) || json_array_size(array) != count)
         return hs_fail(err, HS_ERR_INPUT, "message: %s: expected %u numbers", key, count);
     for (uint32_t i = 0; i < count; i++)
@@ -119,11 +118,18 @@ static bool hs_console_numbers(const json_t *object, const char *key, uint32_t c
     return true;
 }
 
+static bool hs_console_numbers(const json_t *object, const char *key, uint32_t count, double low, double high,
+                               double *out, hs_error *err) {
+    return numbers_of(json_object_get(object, key), key, count, low, high, out, err);
+}
+
 /* -------------------------------------------------------------------------------------------- messages -- */
 
-#define MAX_INDEX  1000000u
-#define MAX_DEPTH  8                          /* of objects and arrays; a state has four */
-#define MAX_SERIAL UINT64_C(9007199254740991) /* what a page can count to */
+#define MAX_INDEX    1000000u
+#define LEAST_RADIUS 0.1 /* mm, of a mark, as `run` takes it */
+#define MOST_RADIUS  1e3
+#define MAX_DEPTH    8                          /* of objects and arrays; a state has four */
+#define MAX_SERIAL   UINT64_C(9007199254740991) /* what a page can count to */
 
 static const char *const view_names[HS_CONSOLE_VIEWS] = {"result", "full",  "truth", "depthmap",
                                                          "across", "along", "deep",  "other"};
@@ -244,6 +250,23 @@ static bool read_lanes(const json_t *array, hs_console_state *state, hs_error *e
     return true;
 }
 
+/* [x, y, z, radius, keep] each. */
+static bool read_marks(const json_t *array, hs_console_state *state, hs_error *err) {
+    if (!json_is_array(array) || json_array_size(array) > HS_MARKS_MAX)
+        return hs_fail(err, HS_ERR_INPUT, "message: marks: expected at most %d", HS_MARKS_MAX);
+    for (size_t i = 0; i < json_array_size(array); i++) {
+        hs_mark *m = &state->marks[state->mark_count++];
+        double n[5];
+        if (!numbers_of(json_array_get(array, i), "marks", 5, -1e4, 1e4, n, err)) return false;
+        memcpy(m->place, n, sizeof m->place);
+        m->radius = n[3];
+        m->keep = n[4] > 0.0;
+        if (!(m->radius >= LEAST_RADIUS && m->radius <= MOST_RADIUS))
+            return hs_fail(err, HS_ERR_INPUT, "message: marks: a radius of %g mm", m->radius);
+    }
+    return true;
+}
+
 static bool read_views(const json_t *array, uint32_t *views, hs_error *err) {
     if (!json_is_array(array) || json_array_size(array) > HS_CONSOLE_VIEWS)
         return hs_fail(err, HS_ERR_INPUT, "message: views: expected at most %d", HS_CONSOLE_VIEWS);
@@ -260,7 +283,7 @@ static bool read_views(const json_t *array, uint32_t *views, hs_error *err) {
 
 static bool read_state(const json_t *root, hs_console_state *s, hs_error *err) {
     static const char *const keys[] = {"type",    "serial", "source", "camera", "views", "picture", "draft",
-                                       "hurried", "play",   "cross",  "render", "lanes", NULL};
+                                       "hurried", "play",   "cross",  "render", "lanes", "marks",   NULL};
     return hs_console_object(root, "state", keys, err) &&
            hs_console_whole(root, "serial", 0, MAX_SERIAL, &s->serial, err) &&
            read_source(json_object_get(root, "source"), &s->source, err) &&
@@ -272,20 +295,32 @@ static bool read_state(const json_t *root, hs_console_state *s, hs_error *err) {
            read_play(json_object_get(root, "play"), s, err) &&
            hs_console_numbers(root, "cross", 3, 0, 1, s->cross, err) &&
            read_render(json_object_get(root, "render"), &s->dvr, err) &&
-           read_lanes(json_object_get(root, "lanes"), s, err);
+           read_lanes(json_object_get(root, "lanes"), s, err) &&
+           read_marks(json_object_get(root, "marks"), s, err);
+}
+
+static bool read_mark(const json_t *root, hs_console_message *out, hs_error *err) {
+    static const char *const keys[] = {"type", "what", "view", "at", "radius", "keep", NULL};
+    bool keep = false;
+    if (!hs_console_object(root, "do", keys, err) || !hs_console_numbers(root, "at", 2, 0, 1, out->at, err) ||
+        !hs_console_number(root, "radius", LEAST_RADIUS, MOST_RADIUS, &out->mark.radius, err) ||
+        !hs_console_flag(root, "keep", &keep, err))
+        return false;
+    out->mark.keep = keep;
+    return true;
 }
 
 static bool read_deed(const json_t *root, hs_console_message *out, hs_error *err) {
-    static const char *const deeds[] = {"snapshot", "write"};
+    static const char *const deeds[] = {"snapshot", "write", "mark"};
     static const char *const snapshot_keys[] = {"type", "what", "view", NULL};
     static const char *const write_keys[] = {"type", "what", NULL};
     uint32_t what, view = 0;
-    if (!hs_console_word(root, "what", deeds, 2, &what, err)) return false;
+    if (!hs_console_word(root, "what", deeds, 3, &what, err)) return false;
     out->deed = (hs_console_deed)what;
     if (out->deed == HS_CONSOLE_WRITE) return hs_console_object(root, "do", write_keys, err);
-    if (!hs_console_object(root, "do", snapshot_keys, err) ||
-        !hs_console_word(root, "view", view_names, HS_CONSOLE_VIEWS, &view, err))
-        return false;
+    const bool ok = out->deed == HS_CONSOLE_MARK ? read_mark(root, out, err)
+                                                 : hs_console_object(root, "do", snapshot_keys, err);
+    if (!ok || !hs_console_word(root, "view", view_names, HS_CONSOLE_VIEWS, &view, err)) return false;
     out->view = (hs_console_view)view;
     return true;
 }

@@ -176,6 +176,28 @@ char *hs_console_reply_plugin(const hs_console_stage *stage, uint32_t lane) {
 
 /* -------------------------------------------------------------------------------------------- frame -- */
 
+char *hs_console_reply_marked(const hs_mark *mark) {
+    return dump(json_pack("{s:s, s:[f, f, f, f, i]}", "type", "marked", "mark", mark->place[0],
+                          mark->place[1], mark->place[2], mark->radius, (int)mark->keep));
+}
+
+/* The marks as the pictures show them: 0 .. 1 right and down, the radius likewise, 1: keep. */
+static json_t *marks_part(const hs_console_stage *stage) {
+    json_t *list = json_array();
+    hs_camera window;
+    float share;
+    hs_loop_window(stage->lane[0].loop, stage->index, &window, &share);
+    for (uint32_t i = 0; i < stage->state.mark_count; i++) {
+        double seen[3];
+        const hs_mark *m = &stage->state.marks[i];
+        hs_marks_seen(hs_source_shape(&stage->source), &window, m->place, seen);
+        (void)json_array_append_new(list, json_pack("[f, f, f, i]", seen[0] / window.extent + 0.5,
+                                                    seen[1] / window.extent + 0.5, m->radius / window.extent,
+                                                    (int)m->keep));
+    }
+    return list;
+}
+
 /* Why there is no surface or a doubtful one, and the setting that takes it all the same. */
 static void put_reason(json_t *one, const hs_lane *lane) {
     sv_confidence_report r;
@@ -299,6 +321,7 @@ char *hs_console_reply_frame(const hs_console_stage *stage, const hs_console_sho
     put(root, "draft", json_boolean(stage->state.hurried));
     put(root, "of", made_for(stage));
     put(root, "source", source_part(stage));
+    put(root, "marks", marks_part(stage));
     put(root, "ms",
         json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "upload", stage_ms[HS_STAGE_UPLOAD], "convert",
                   stage_ms[HS_STAGE_CONVERT], "plugin", stage_ms[HS_STAGE_PLUGIN], "draw", shown->draw_ms,

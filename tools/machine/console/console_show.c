@@ -378,6 +378,16 @@ static bool write_results(hs_console_show *show) {
     return ok ? say(show, hs_console_reply_written(&show->stage, folder, &report)) : refuse(show, &err);
 }
 
+static bool find_mark(hs_console_show *show, const hs_console_message *deed) {
+    hs_error err = {0};
+    hs_mark mark = deed->mark;
+    const bool ok = show->open && show->stage.has_source
+                        ? hs_console_stage_mark(&show->stage, deed->view, deed->at, &mark, &err)
+                        : hs_fail(&err, HS_ERR_INPUT, "mark: nothing is shown yet");
+    return ok ? say(show, hs_console_reply_marked(&mark)) : refuse(show, &err);
+}
+
 bool hs_console_show_deed(hs_console_show *show, const hs_console_message *deed) {
+    if (deed->deed == HS_CONSOLE_MARK) return find_mark(show, deed);
     return deed->deed == HS_CONSOLE_SNAPSHOT ? snapshot(show, deed->view) : write_results(show);
 }

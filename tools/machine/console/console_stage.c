@@ -189,6 +189,26 @@ static void follow_camera(hs_console_stage *stage, const hs_console_state *state
     }
 }
 
+static bool same_marks(const hs_console_state *a, const hs_console_state *b) {
+    bool same = a->mark_count == b->mark_count;
+    for (uint32_t i = 0; same && i < a->mark_count; i++) {
+        const hs_mark *p = &a->marks[i], *q = &b->marks[i];
+        same = p->place[0] == q->place[0] && p->place[1] == q->place[1] && p->place[2] == q->place[2] &&
+               p->radius == q->radius && p->keep == q->keep;
+    }
+    return same;
+}
+
+/* They are of the stage's own state, which the loops borrow. */
+static void follow_marks(hs_console_stage *stage, const hs_console_state *state) {
+    const bool same = same_marks(&stage->state, state);
+    for (int i = 0; i < HS_CONSOLE_LANES; i++) {
+        if (!stage->lane[i].loop) continue;
+        hs_loop_set_marks(stage->lane[i].loop, stage->state.marks, state->mark_count);
+        if (!same) hs_lane_needs(&stage->lane[i], HS_LANE_ASK);
+    }
+}
+
 static bool run_lanes(hs_console_stage *stage, uint32_t index, hs_error *err) {
     for (int i = 0; i < HS_CONSOLE_LANES; i++) {
         hs_lane *lane = &stage->lane[i];
@@ -222,6 +242,7 @@ bool hs_console_stage_show(hs_console_stage *stage, const hs_console_state *stat
     if (!follow_lanes(stage, state, err)) return can_go_on(stage, err) ? false : give_up(stage);
     if (!follow_screen(stage, state, err)) return give_up(stage);
     follow_camera(stage, state, index);
+    follow_marks(stage, state);
     stage->state = *state;
     stage->index = index;
     return run_lanes(stage, index, err) || give_up(stage);

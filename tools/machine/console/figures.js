@@ -136,6 +136,7 @@ function showFigures(text) {
   placeLegends(text.source);
   placeDirections(text.source);
   drawMeasured();
+  drawMarks();
   rows("times", STAGES.map(([key, colour]) => [STAGE_NAMES[key], milliseconds(text.ms[key]), colour]).concat([["all", milliseconds(text.ms.all)]]));
   const source = text.source;
   const two = text.lanes.length > 1;

@@ -29,6 +29,7 @@ function changed(hurried) {
     state.views = wantedViews();
     send(state);
     writeAddress();
+    if (!state.hurried) noteSettings();
   });
 }
 
@@ -96,7 +97,10 @@ function takeText(text) {
     notice(text.text + " …", true);
   } else if (text.type === "refused") {
     notice(text.text, false);
+    takeMark(null);
     document.body.dataset.refused = text.text;
+  } else if (text.type === "marked") {
+    takeMark(text.mark);
   } else if (text.type === "written") {
     showWritten(text);
   }

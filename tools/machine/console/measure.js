@@ -27,18 +27,19 @@ function setPoint(view, right, down, pressed) {
   drawMeasured();
 }
 
+function svg(name, attributes) {
+  const element = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  return element;
+}
+
 function drawIn(view, shares, text) {
   const { lines, distance } = viewOf(view);
-  const of = (name, attributes) => {
-    const element = document.createElementNS(SVG, name);
-    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-    return element;
-  };
-  lines.replaceChildren(...shares.map(([x, y]) => of("circle", { cx: x, cy: y, r: 0.012 })));
+  lines.replaceChildren(...shares.map(([x, y]) => svg("circle", { cx: x, cy: y, r: 0.012 })));
   distance.textContent = text;
   if (shares.length < 2) return;
   const [[x1, y1], [x2, y2]] = shares;
-  lines.append(of("line", { x1, y1, x2, y2 }));
+  lines.append(svg("line", { x1, y1, x2, y2 }));
   distance.style.left = 100 * clamp((x1 + x2) / 2, 0.05, 0.75) + "%";
   distance.style.top = 100 * clamp((y1 + y2) / 2, 0.02, 0.9) + "%";
 }

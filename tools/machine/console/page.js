@@ -42,7 +42,7 @@ function showChosenSource() {
 }
 
 function takeSource() {
-  const before = sourceKey(state.source);
+  const before = state.source;
   const [kind, first, ...rest] = at("source").value.split(" ");
   const from = at("from").value || "probe";
   if (kind === "scene") {
@@ -52,7 +52,8 @@ function takeSource() {
     state.source = { folder: Number(first), path: rest.join(" "), from };
   }
   state.play.index = 0;
-  if (sourceKey(state.source) !== before) forgetConsent();
+  if (sourceKey(state.source) !== sourceKey(before)) forgetConsent();
+  if (!sameSource({ ...state.source, from: before.from }, before)) state.marks = []; /* they lie in another volume */
   showChosenSource();
   changed(false);
 }
@@ -185,26 +186,35 @@ function takeHello(hello) {
   if (!document.body.dataset.ready) readAddress(hello);
   document.body.dataset.ready = "yes";
   lanes.forEach((lane) => { lane.params = []; });
+  at("snapshot-view").replaceChildren(...VIEW_NAMES.map((view) => make("option", { value: view, text: TITLES[view] })));
+  showPlaying();
+  showSettings();
+  changed(false);
+}
+
+/* All controls as the settings are now. */
+function showSettings() {
   at("third").value = look.third;
   at("compare").value = look.compare;
   at("wipe").value = String(look.wipe);
   at("slices-on").checked = look.slices;
-  at("snapshot-view").replaceChildren(...VIEW_NAMES.map((view) => make("option", { value: view, text: TITLES[view] })));
   showChosenSource();
-  showPlaying();
   buildRenderer();
   layOut();
   buildControls();
-  changed(false);
 }
 
 function onKey(event) {
   const where = event.target;
-  if (event.ctrlKey || event.metaKey || event.altKey) return;
-  if (where.matches("input[type=number], textarea, select")) return;
+  if (event.altKey || where.matches("input[type=number], textarea, select")) return;
+  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
+    event.preventDefault();
+    at(event.shiftKey ? "redo" : "undo").click();
+  }
+  if (event.ctrlKey || event.metaKey) return;
   const next = { off: "side", side: "wipe", wipe: "off" };
   const keys = {
-    m: () => measure(!measured.on), f: () => play(!state.play.on),
+    m: () => measure(!measured.on), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), f: () => play(!state.play.on),
     "[": () => nudgePrimary(-1), "]": () => nudgePrimary(1), ",": () => stepBy(-1), ".": () => stepBy(1),
     c: () => compare(next[look.compare]), s: () => at("slices-on").click(),
   };
@@ -224,6 +234,11 @@ function listen() {
   at("third").addEventListener("change", () => { look.third = at("third").value; layOut(); changed(false); });
   at("compare").addEventListener("change", () => compare(at("compare").value));
   at("measure").addEventListener("click", () => measure(!measured.on));
+  for (const id of ["remove", "keep"]) at(id).addEventListener("click", () => chooseBrush(id));
+  at("radius").addEventListener("input", () => { at("radius-text").textContent = at("radius").value + " mm"; });
+  at("clear-marks").addEventListener("click", clearMarks);
+  at("undo").addEventListener("click", () => goTo(undo.past, undo.future));
+  at("redo").addEventListener("click", () => goTo(undo.future, undo.past));
   at("ours").addEventListener("click", compareWithOurs);
   at("wipe").addEventListener("input", () => { look.wipe = Number(at("wipe").value); placeWipe(); writeAddress(); });
   at("slices-on").addEventListener("change", () => { look.slices = at("slices-on").checked; layOut(); changed(false); });

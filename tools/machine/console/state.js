@@ -17,6 +17,7 @@ const state = {
   cross: [0.5, 0.5, 0.5],
   render: {},
   lanes: [{ plugin: 0, values: {} }],
+  marks: [], /* x, y, z and radius in mm, 1: keep or 0: remove */
 };
 
 /* What only the page knows of: how it shows what it has. */
@@ -82,6 +83,7 @@ function writeAddressNow() {
     const text = laneText(lane);
     if (text !== "0" || i > 0) at.set("ab"[i], text);
   });
+  if (state.marks.length) at.set("marks", state.marks.map((mark) => mark.map(short).join(",")).join(";"));
   if (look.third !== "truth") at.set("third", look.third);
   if (look.compare !== "off") at.set("compare", look.compare);
   if (look.wipe !== 50) at.set("wipe", look.wipe);
@@ -129,6 +131,8 @@ function readAddress(hello) {
   const cross = (at.get("cross") || "").split(",");
   state.cross = [0, 1, 2].map((i) => numberIn(cross[i], 0, 1, 0.5));
   state.render = readRender(at);
+  state.marks = (at.get("marks") || "").split(";").map((mark) => mark.split(",").map(Number))
+    .filter((mark) => mark.length === 5 && mark.every(Number.isFinite)).slice(0, MARKS_MAX);
   state.lanes = [laneFrom(at.get("a") || "0")];
   look.compare = wordIn(at.get("compare"), ["off", "side", "wipe"], "off");
   if (look.compare !== "off") state.lanes.push(laneFrom(at.get("b") || at.get("a") || "0"));

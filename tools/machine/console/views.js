@@ -96,12 +96,13 @@ function pinchOf(fingers) {
 
 /* A drag turns, with Shift it rolls. Two fingers turn, too; spread they zoom, twisted they roll. One finger up or down
  * scrolls the page (touch-action). */
-function fingersOn(screen) {
+function fingersOn(view, screen) {
   const fingers = new Map();
   screen.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     screen.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    paintWith(view, screen, event, fingers.size);
   });
   screen.addEventListener("pointermove", (event) => {
     const finger = fingers.get(event.pointerId);
@@ -109,6 +110,7 @@ function fingersOn(screen) {
     const before = fingers.size === 2 ? pinchOf(fingers) : { ...finger };
     finger.x = event.clientX;
     finger.y = event.clientY;
+    if (paintWith(view, screen, event, fingers.size)) return;
     const now = fingers.size === 2 ? pinchOf(fingers) : finger;
     const right = (now.x - before.x) * DEGREES_A_PIXEL, down = (now.y - before.y) * DEGREES_A_PIXEL;
     if (event.shiftKey) roll(right);
@@ -117,26 +119,27 @@ function fingersOn(screen) {
     zoom(now.size / before.size);
     roll(around(now.angle - before.angle));
   });
+  screen.addEventListener("pointerup", (event) => paintWith(view, screen, event, fingers.size));
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"])
     screen.addEventListener(end, (event) => fingers.delete(event.pointerId));
   screen.addEventListener("touchstart", (event) => { if (event.touches.length > 1) event.preventDefault(); }, { passive: false });
 }
 
-function turnByHand(screen) {
-  fingersOn(screen);
+function turnByHand(view, screen) {
+  fingersOn(view, screen);
   screen.addEventListener("wheel", (event) => {
     event.preventDefault();
     zoom(Math.exp(-event.deltaY * 0.0015));
   }, { passive: false });
-  screen.addEventListener("dblclick", resetCamera);
+  screen.addEventListener("dblclick", () => { if (!brush.on) resetCamera(); });
   screen.addEventListener("keydown", (event) => {
     const step = event.shiftKey ? 1 : 5;
     const keys = {
       ArrowLeft: () => turn(-step, 0), ArrowRight: () => turn(step, 0), ArrowUp: () => turn(0, -step),
       ArrowDown: () => turn(0, step), "+": () => zoom(1.1), "=": () => zoom(1.1), "-": () => zoom(1 / 1.1), Home: resetCamera,
-      z: () => roll(5), Z: () => roll(-5),
+      z: () => roll(5), Z: () => roll(-5), Enter: () => putMark(view, state.cross.slice(0, 2)),
     };
-    if (!keys[event.key]) return;
+    if (!keys[event.key] || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
     keys[event.key]();
   });
@@ -210,13 +213,14 @@ function figureOf(view) {
     one.right = make("div", { class: "cross right" });
     one.scale = make("div", { class: "scale" });
     one.probe = make("span", { class: "probe" });
-    one.lines = document.createElementNS(SVG, "svg");
-    one.lines.setAttribute("viewBox", "0 0 1 1");
+    one.lines = svg("svg", { viewBox: "0 0 1 1" });
     one.distance = make("output", { class: "distance" });
     screen.append(one.down, one.right, one.scale, one.probe, one.lines, one.distance);
     crossByHand(view, screen);
   } else {
-    turnByHand(screen);
+    one.marks = svg("svg", { viewBox: "0 0 1 1", class: "marks" });
+    screen.append(one.marks);
+    turnByHand(view, screen);
   }
   return one;
 }
