@@ -7,6 +7,7 @@ hs_volume make_layers(bool bright) {
     hs_volume v;
     hs_error err = {0};
     assert_true(hs_volume_init(&v, N, N, N, &err));
+    keep_volume(&v);
     for (size_t i = 0; i < hs_volume_count(&v); i++) {
         const size_t z = i / (N * N);
         v.voxels[i] = bright || z >= FETUS ? 255 : z >= OCCLUDER && z < FLUID ? 153 : 10;
@@ -21,7 +22,7 @@ int set_up(void **state) {
         print_error("%s\n", err.text);
         return -1;
     }
-    open_plugin(&f.plugin, "plane");
+    f.plugin = open_plugin("plane");
     f.layers = make_layers(false);
     f.bright = make_layers(true);
     f.both[0] = &f.layers;
@@ -33,10 +34,8 @@ int set_up(void **state) {
 
 int tear_down(void **state) {
     fixture *f = *state;
-    hs_plugin_close(&f->plugin);
+    unit_return(NULL);
     hs_cl_close(&f->cl);
-    hs_volume_free(&f->layers);
-    hs_volume_free(&f->bright);
     return 0;
 }
 
@@ -59,30 +58,89 @@ hs_loop_options options_on(bool own_queue, const sv_param_value *values, uint32_
     return o;
 }
 
-void open_plugin(hs_plugin *plugin, const char *name) {
+static void give_plugin_back(void *plugin) {
+    hs_plugin_close(plugin);
+    free(plugin);
+}
+
+hs_plugin *open_plugin(const char *name) {
+    hs_plugin *plugin = malloc(sizeof *plugin);
     char path[1024];
     hs_error err = {0};
     const char *build = getenv("SV_BUILD_DIR");
     (void)snprintf(path, sizeof path, "%s/tests/plugins/%s.so", build ? build : ".", name);
-    if (!hs_plugin_open(plugin, path, NULL, SV_LOG_WARNING, &err)) fail_msg("%s", err.text);
+    if (!plugin || !hs_plugin_open(plugin, path, NULL, SV_LOG_WARNING, &err)) fail_msg("%s", err.text);
+    unit_keep(give_plugin_back, plugin);
+    return plugin;
+}
+
+static void give_source_back(void *source) {
+    hs_source_close(source);
+    free(source);
+}
+
+hs_source *open_source(const char *const *paths, uint32_t count, const hs_source_files *how) {
+    hs_error err = {0};
+    hs_source *source = malloc(sizeof *source);
+    if (!source || !hs_source_open_files(source, paths, count, how, &err)) fail_msg("%s", err.text);
+    unit_keep(give_source_back, source);
+    return source;
+}
+
+/* Loops that were made, the last one first. */
+typedef struct made {
+    struct made *before;
+    const hs_plugin *plugin;
+    hs_loop *loop; /* NULL: it has ended */
+} made;
+static made *last_made;
+
+static void give_loop_back(void *what) {
+    made *m = what;
+    hs_loop_destroy(m->loop);
+    last_made = m->before;
+    free(m);
+}
+
+void end_loop(hs_loop *loop) {
+    for (made *m = last_made; m; m = m->before)
+        if (m->loop == loop) m->loop = NULL;
+    hs_loop_destroy(loop);
+}
+
+hs_loop *make_loop_from(const hs_cl *cl, const hs_source *source, const hs_plugin *plugin,
+                        const hs_loop_options *options) {
+    hs_error err = {0};
+    made *m = malloc(sizeof *m);
+    if (!m) abort();
+    for (made *other = last_made; plugin && other; other = other->before)
+        if (other->plugin == plugin && other->loop) end_loop(other->loop);
+    *m = (made){last_made, plugin, hs_loop_create(cl, source, plugin, options, &err)};
+    if (!m->loop) fail_msg("%s", err.text);
+    last_made = m;
+    unit_keep(give_loop_back, m);
+    return m->loop;
 }
 
 hs_loop *make_loop_of(const fixture *f, const hs_plugin *plugin, const hs_loop_options *options) {
-    hs_error err = {0};
-    hs_loop *loop = hs_loop_create(&f->cl, &f->source, plugin, options, &err);
-    if (!loop) fail_msg("%s", err.text);
-    return loop;
+    return make_loop_from(&f->cl, &f->source, plugin, options);
 }
 
 hs_loop *make_loop(const fixture *f, const hs_loop_options *options) {
-    return make_loop_of(f, &f->plugin, options);
+    return make_loop_of(f, f->plugin, options);
+}
+
+static void give_view_back(void *view) {
+    hs_view_free(view);
+    free(view);
 }
 
 hs_view view_of(hs_loop *loop, uint32_t index) {
-    hs_view view;
+    hs_view *view = malloc(sizeof *view);
     hs_error err = {0};
-    if (!hs_loop_view(loop, index, &view, &err)) fail_msg("%s", err.text);
-    return view;
+    if (!view || !hs_loop_view(loop, index, view, &err)) fail_msg("%s", err.text);
+    unit_keep(give_view_back, view);
+    return *view;
 }
 
 float end_of_ray(double d) {

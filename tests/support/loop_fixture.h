@@ -22,14 +22,14 @@ enum { FAIL_ACTIVATE = 1, FAIL_BEGIN = 2, FAIL_SLAB = 3, FAIL_END = 4 };
 
 typedef struct {
     hs_cl cl;
-    hs_plugin plugin;
+    hs_plugin *plugin;
     hs_volume layers; /* as above */
     hs_volume bright; /* everything is fetus: another volume of a sequence, and a "ground truth" */
     const hs_volume *both[2];
     hs_source source; /* layers only */
 } fixture;
 
-/* One of the two volumes; hs_volume_free it. */
+/* What these make is given back when the test ends. One of the two volumes: */
 hs_volume make_layers(bool bright);
 
 /* cmocka group fixtures: *state is a fixture. */
@@ -42,14 +42,24 @@ hs_loop_options options_with(const sv_param_value *values, uint32_t count);
 hs_loop_options options_on(bool own_queue, const sv_param_value *values, uint32_t count);
 
 /* A plugin of the tests' own; the fixture's is plane.so. */
-void open_plugin(hs_plugin *plugin, const char *name);
+hs_plugin *open_plugin(const char *name);
 
-/* A loop over the layers; the test fails if it cannot be made. hs_loop_destroy it. */
+/* Files as a source; NULL: with the defaults. */
+hs_source *open_source(const char *const *paths, uint32_t count, const hs_source_files *how);
+
+/* A loop; the test fails if it cannot be made. A plugin serves one at a time: that of an earlier call ends.
+ */
+hs_loop *make_loop_from(const hs_cl *cl, const hs_source *source, const hs_plugin *plugin,
+                        const hs_loop_options *options);
+/* Ends one of these before its time. */
+void end_loop(hs_loop *loop);
+
+/* A loop over the fixture's source. */
 hs_loop *make_loop_of(const fixture *f, const hs_plugin *plugin, const hs_loop_options *options);
 /* Makes such a loop with the plane plugin. */
 hs_loop *make_loop(const fixture *f, const hs_loop_options *options);
 
-/* A frame, all of it on the host; hs_view_free it. */
+/* A frame, all of it on the host. */
 hs_view view_of(hs_loop *loop, uint32_t index);
 
 /* The step at which a ray ends that starts at depth d of the map. */

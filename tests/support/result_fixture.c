@@ -48,7 +48,7 @@ int result_set_up(void **state) {
     hs_error err = {0};
     (void)snprintf(folder, sizeof folder, "/tmp/sv_results_XXXXXX");
     if (!mkdtemp(folder) || !hs_cl_open(&f.cl, &err)) return -1;
-    open_plugin(&f.plugin, "plane");
+    f.plugin = open_plugin("plane");
     (void)snprintf(f.source, sizeof f.source, "%s", result_path("source.mha"));
     source_write(f.source, 1, "");
     *state = &f;
@@ -60,7 +60,7 @@ int result_tear_down(void **state) {
         "source.mha",  "sequence.mha", "second.mha",  "depthmap.mha",     "confidence.mha",  "status.mha",
         "clipped.mha", "mask.mha",     "surface.ply", "surface_0000.ply", "surface_0001.ply"};
     result_fixture *f = *state;
-    hs_plugin_close(&f->plugin);
+    unit_return(NULL);
     hs_cl_close(&f->cl);
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) (void)unlink(result_path(known[i]));
     return rmdir(folder);
@@ -75,26 +75,21 @@ hs_loop_options result_options(sv_param_value *values) {
 }
 
 hs_loop *result_loop(const result_fixture *f, const char *const *paths, uint32_t count,
-                     const hs_metaimage_options *read, const hs_loop_options *options, hs_source *source) {
-    hs_error err = {0};
+                     const hs_metaimage_options *read, const hs_loop_options *options, hs_source **source) {
     const hs_source_files how = {.metaimage = read ? *read : (hs_metaimage_options){0}};
-    if (!hs_source_open_files(source, paths, count, &how, &err)) fail_msg("%s", err.text);
-    hs_loop *loop = hs_loop_create(&f->cl, source, &f->plugin, options, &err);
-    if (!loop) fail_msg("%s", err.text);
-    return loop;
+    *source = open_source(paths, count, &how);
+    return make_loop_from(&f->cl, *source, f->plugin, options);
 }
 
 hs_result_report result_write(const result_fixture *f, const char *const *paths, uint32_t count,
                               const hs_metaimage_options *read, const hs_loop_options *options,
                               uint32_t what) {
-    hs_source source;
+    hs_source *source;
     hs_error err = {0};
     hs_result_report report;
     hs_loop *loop = result_loop(f, paths, count, read, options, &source);
-    if (!hs_results_write(loop, &source, what & ~(uint32_t)HS_RESULT_CONFIDENCE, what & HS_RESULT_CONFIDENCE,
+    if (!hs_results_write(loop, source, what & ~(uint32_t)HS_RESULT_CONFIDENCE, what & HS_RESULT_CONFIDENCE,
                           folder, &report, &err))
         fail_msg("%s", err.text);
-    hs_loop_destroy(loop);
-    hs_source_close(&source);
     return report;
 }

@@ -23,7 +23,7 @@ void source_write(const char *path, uint32_t frames, const char *lines);
 
 typedef struct {
     hs_cl cl;
-    hs_plugin plugin;
+    hs_plugin *plugin;
     char source[128]; /* a file of one volume in the folder */
 } result_fixture;
 
@@ -38,9 +38,9 @@ const char *result_path(const char *name);
 /* Options for a depthmap of a tilted plane; `values` has room for 2. */
 hs_loop_options result_options(sv_param_value *values);
 
-/* Reads, makes a loop; both are the caller's. The test fails if that cannot be. */
+/* Reads, makes a loop; both are given back when the test ends. The test fails if that cannot be. */
 hs_loop *result_loop(const result_fixture *f, const char *const *paths, uint32_t count,
-                     const hs_metaimage_options *read, const hs_loop_options *options, hs_source *source);
+                     const hs_metaimage_options *read, const hs_loop_options *options, hs_source **source);
 
 /* The same, and writes `what` to the folder; the confidence only if there is one. */
 hs_result_report result_write(const result_fixture *f, const char *const *paths, uint32_t count,

@@ -37,7 +37,6 @@ static void expect_level(hs_loop *loop, uint32_t index, uint8_t level) {
     for (size_t p = 0; p < (size_t)view.width * view.height; p++)
         if (view.mip[p] > maximum) maximum = view.mip[p];
     assert_int_equal(maximum, level);
-    hs_view_free(&view);
 }
 
 void expect_every_frame_shows_its_volume(const fixture *f, const hs_source *source, const uint8_t *levels) {
@@ -45,12 +44,11 @@ void expect_every_frame_shows_its_volume(const fixture *f, const hs_source *sour
     hs_error err = {0};
     hs_loop_result result;
     options.frames = source->count + 5;
-    hs_loop *loop = hs_loop_create(&f->cl, source, &f->plugin, &options, &err);
-    if (!loop || !hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err)) {
+    hs_loop *loop = make_loop_from(&f->cl, source, f->plugin, &options);
+    if (!hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err)) {
         fail_msg("%s", err.text);
         return;
     }
     assert_int_equal(result.failed_frames, 0);
     for (uint32_t i = 0; i < source->count; i += 6) expect_level(loop, i, levels[i]);
-    hs_loop_destroy(loop);
 }

@@ -35,8 +35,6 @@ static rig open_rig(fixture *f) {
 
 static void close_rig(rig *r) {
     hs_eval_table_free(&r->table);
-    hs_loop_destroy(r->loop);
-    hs_volume_free(&r->truth);
 }
 
 /* Where a ray that starts at `step` ends. */
@@ -177,7 +175,6 @@ static void other_pictures_are_refused(void **state) {
     rig r = open_rig(f);
     hs_error err = {0};
     hs_eval_table table;
-    hs_loop_destroy(r.loop);
     const hs_loop_options options = options_with(NULL, 0);
     r.loop = make_loop(f, &options);
     assert_false(hs_eval_table_build(&table, r.loop, &f->layers, &r.truth, r.label, &err));

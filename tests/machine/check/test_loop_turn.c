@@ -36,12 +36,9 @@ static uint8_t *result_of(hs_loop *loop, const hs_dvr_settings *dvr, const hs_cl
 
 /* The same of a loop of its own, with a plugin of its own: an instance serves one loop at a time. */
 static uint8_t *result_of_new(const fixture *f, const hs_loop_options *o) {
-    hs_plugin plugin;
-    open_plugin(&plugin, "plane");
-    hs_loop *loop = make_loop_of(f, &plugin, o);
+    hs_plugin *plugin = open_plugin("plane");
+    hs_loop *loop = make_loop_of(f, plugin, o);
     uint8_t *rgba = result_of(loop, &o->dvr, &f->cl);
-    hs_loop_destroy(loop);
-    hs_plugin_close(&plugin);
     return rgba;
 }
 
@@ -73,7 +70,6 @@ static void a_turned_loop_is_one_that_looks_from_there(void **state) {
         if (!first) first = turned;
     }
     free(first);
-    hs_loop_destroy(loop);
 }
 
 /* Zoom 2 shows the middle of a picture of twice the size at zoom 1: the same rays. */
@@ -112,7 +108,7 @@ static void a_reactivated_plugin_is_one_that_was_activated_so(void **state) {
     hs_error err = {0};
     hs_loop *loop = make_loop(f, &before);
     uint8_t *old = result_of(loop, &before.dvr, &f->cl);
-    assert_true(hs_loop_reactivate(loop, &f->plugin, &after, &err));
+    assert_true(hs_loop_reactivate(loop, f->plugin, &after, &err));
     uint8_t *anew = result_of(loop, &before.dvr, &f->cl), *made = result_of_new(f, &after);
     assert_int_equal(count_differences(anew, made, bytes), 0);
     assert_true(count_differences(anew, old, bytes) > 0);
@@ -124,7 +120,6 @@ static void a_reactivated_plugin_is_one_that_was_activated_so(void **state) {
     free(old);
     free(anew);
     free(made);
-    hs_loop_destroy(loop);
 }
 
 /* The box of a turnable loop holds the volume from everywhere, and no view changes it. */
@@ -147,7 +142,6 @@ static void one_box_serves_every_direction(void **state) {
         assert_true(fabs(window.extent - 0.5 * v->nx * v->spacing[0]) < 1e-9);
         assert_true(fabs((double)share - window.extent / diagonal) < 1e-6);
     }
-    hs_loop_destroy(loop);
 }
 
 static void a_zoom_out_of_range_is_named(void **state) {
@@ -156,7 +150,7 @@ static void a_zoom_out_of_range_is_named(void **state) {
     for (int i = 0; i < 3; i++) {
         hs_error err = {0};
         const hs_loop_options o = turnable(NULL, 0, 0, 0, zooms[i]);
-        assert_null(hs_loop_create(&f->cl, &f->source, &f->plugin, &o, &err));
+        assert_null(hs_loop_create(&f->cl, &f->source, f->plugin, &o, &err));
         assert_int_equal(err.code, HS_ERR_USAGE);
         assert_non_null(strstr(err.text, "camera: zoom"));
     }

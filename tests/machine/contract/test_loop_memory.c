@@ -38,7 +38,6 @@ static void frames_take_no_memory(void **state) {
                      spy_count(SPY_CREATE), spy_first(SPY_CREATE), spy_count(SPY_BUILD),
                      spy_count(SPY_RELEASE));
         assert_true(frame.clipped);
-        hs_loop_destroy(loop);
     }
     f->source.count = 1;
 }

@@ -23,16 +23,13 @@ static hs_loop_options ghosted(const sv_param_value *value, bool own_queue, floa
 /* The view that a plugin's loop gives. */
 static hs_view view_by(const fixture *f, const char *name, bool own_queue, float doubt, hs_error *failure) {
     static const sv_param_value depth = {.id = DEPTH, .value = PLANE};
-    hs_plugin plugin;
-    open_plugin(&plugin, name);
+    hs_plugin *plugin = open_plugin(name);
     const hs_loop_options o = ghosted(&depth, own_queue, doubt);
-    hs_loop *loop = make_loop_of(f, &plugin, &o);
+    hs_loop *loop = make_loop_of(f, plugin, &o);
     hs_view view = view_of(loop, 0);
     *failure = *hs_loop_confidence_error(loop);
     assert_int_equal(hs_loop_plugin_error(loop)->code, HS_OK);
     assert_true(view.frame.clipped);
-    hs_loop_destroy(loop);
-    hs_plugin_close(&plugin);
     return view;
 }
 
@@ -64,9 +61,7 @@ static void what_is_of_no_use_leaves_the_picture_as_without(void **state) {
             assert_int_equal(failure.code, cases[i].says[0] ? HS_ERR_PLUGIN : HS_OK);
             if (!strstr(failure.text, cases[i].says))
                 fail_msg("'%s' does not say '%s'", failure.text, cases[i].says);
-            hs_view_free(&view);
         }
-        hs_view_free(&plain);
     }
 }
 
@@ -100,30 +95,24 @@ static void a_map_that_is_one_widens_the_window(void **state) {
     }
     assert_true(sooner > PICTURE * PICTURE / 8); /* the left of the picture, down to the occluder */
     assert_true(close < PICTURE * PICTURE / 20);
-    for (int own = 0; own < 2; own++) hs_view_free(&view[own]);
-    hs_view_free(&plain);
-    hs_view_free(&off);
 }
 
 /* Every frame of the loop has it, and the knob's pictures too; a hard cut does not ask for it. */
 static void every_frame_has_its_own(void **state) {
     const fixture *f = *state;
     static const sv_param_value depth = {.id = DEPTH, .value = PLANE};
-    hs_plugin plugin;
-    open_plugin(&plugin, "confidence_ramp");
+    hs_plugin *plugin = open_plugin("confidence_ramp");
     for (int ghost = 0; ghost < 2; ghost++) {
         hs_loop_options o = ghosted(&depth, false, 2.0f);
         if (!ghost) o.dvr.ghost_width = 0.0f;
-        hs_loop *loop = make_loop_of(f, &plugin, &o);
+        hs_loop *loop = make_loop_of(f, plugin, &o);
         for (uint32_t i = 0; i < 3; i++) {
             hs_frame frame;
             hs_error err = {0};
             assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, i, &frame, &err));
             assert_int_equal(frame.has_confidence, ghost);
         }
-        hs_loop_destroy(loop);
     }
-    hs_plugin_close(&plugin);
 }
 
 UNIT_MAIN(set_up, tear_down, cmocka_unit_test(what_is_of_no_use_leaves_the_picture_as_without),

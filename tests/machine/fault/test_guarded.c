@@ -61,8 +61,6 @@ static void compare(const fixture *f, const hs_plugin *direct, const hs_plugin *
     for (uint32_t i = 0; i < 3; i++) {
         hs_view views[] = {view_of(loops[0], i), view_of(loops[1], i)};
         expect_same_view(&views[0], &views[1], way);
-        hs_view_free(&views[0]);
-        hs_view_free(&views[1]);
     }
     if (hs_plugin_find_primary(direct, &knob) && (knob.flags & SV_PARAM_ADJUST)) {
         hs_error err = {0};
@@ -77,7 +75,7 @@ static void compare(const fixture *f, const hs_plugin *direct, const hs_plugin *
     for (int i = 0; i < 2; i++) {
         if (hs_loop_plugin_error(loops[i])->code != HS_OK)
             fail_msg("%s", hs_loop_plugin_error(loops[i])->text);
-        hs_loop_destroy(loops[i]);
+        end_loop(loops[i]);
     }
 }
 
@@ -174,7 +172,7 @@ static void extensions_reach_through(void **state) {
     const sv_ext_confidence *confidence = hs_plugin_confidence(plugin.instance);
     assert_true(confidence && !confidence->offered(plugin.instance));
     assert_null(plugin.instance->get_extension(plugin.instance, "nobody/1"));
-    hs_loop_destroy(loop);
+    end_loop(loop);
     assert_true(hs_guarded_close(&plugin, &err));
 }
 
@@ -206,7 +204,7 @@ static void a_crash_costs_its_frame(void **state) {
         assert_int_equal(result.clipped_frames, 6);
         if (!strstr(hs_loop_plugin_error(loop)->text, table[n].says))
             fail_msg("'%s' does not say '%s'", hs_loop_plugin_error(loop)->text, table[n].says);
-        hs_loop_destroy(loop);
+        end_loop(loop);
         assert_false(hs_guarded_close(&plugin, &err));
         assert_int_equal(err.code, HS_ERR_PLUGIN);
     }
@@ -228,7 +226,7 @@ static void restarts_are_bounded(void **state) {
     assert_string_equal(plugin.instance->last_error(plugin.instance),
                         "ended 3 times, and is not started any more");
     assert_non_null(strstr(hs_loop_plugin_error(loop)->text, "crashed: SIGSEGV in begin"));
-    hs_loop_destroy(loop);
+    end_loop(loop);
     assert_false(hs_guarded_close(&plugin, &err));
 }
 
@@ -254,8 +252,7 @@ static void limits_hold(void **state) {
                     n);
         if (!strstr(hs_loop_plugin_error(loop)->text, table[n][1]))
             fail_msg("%s", hs_loop_plugin_error(loop)->text);
-        hs_view_free(&view);
-        hs_loop_destroy(loop);
+        end_loop(loop);
         assert_false(hs_guarded_close(&plugin, &err));
     }
 }
@@ -276,8 +273,7 @@ static void an_error_is_an_error(void **state) {
         assert_int_equal(view.frame.outcome, SV_ERR_INTERNAL);
         (void)snprintf(texts[i], sizeof texts[i], "%s", hs_loop_plugin_error(loop)->text);
         assert_true(hs_guarded_lives(&plugin));
-        hs_view_free(&view);
-        hs_loop_destroy(loop);
+        end_loop(loop);
         assert_true(hs_guarded_close(&plugin, &err));
     }
     assert_string_equal(texts[0], texts[1]);
@@ -294,16 +290,17 @@ static void who_is_guarded(void **state) {
     assert_true(hs_guard_wanted(&options, file("smartvis.so")));
 }
 
-int main(void) {
-    /* The address sanitizer would make an exit of a crash in the child. */
+/* The address sanitizer would make an exit of a crash in the child. */
+static int set_up_crashes(void **state) {
     const char *options = getenv("ASAN_OPTIONS");
     char more[1024];
     (void)snprintf(more, sizeof more, "%s:handle_segv=0", options ? options : "");
     if (getenv("SV_SANITIZE")) (void)setenv("ASAN_OPTIONS", more, 1);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_way_gives_the_same_bits), cmocka_unit_test(parameters_tell_the_same),
-        cmocka_unit_test(extensions_reach_through),      cmocka_unit_test(a_crash_costs_its_frame),
-        cmocka_unit_test(restarts_are_bounded),          cmocka_unit_test(limits_hold),
-        cmocka_unit_test(an_error_is_an_error),          cmocka_unit_test(who_is_guarded)};
-    return cmocka_run_group_tests_name("guarded", tests, set_up, tear_down);
+    return set_up(state);
 }
+
+UNIT_MAIN(set_up_crashes, tear_down, cmocka_unit_test(every_way_gives_the_same_bits),
+          cmocka_unit_test(parameters_tell_the_same), cmocka_unit_test(extensions_reach_through),
+          cmocka_unit_test(a_crash_costs_its_frame), cmocka_unit_test(restarts_are_bounded),
+          cmocka_unit_test(limits_hold), cmocka_unit_test(an_error_is_an_error),
+          cmocka_unit_test(who_is_guarded))

@@ -39,12 +39,10 @@ static void files_of_two_types_make_no_sequence(void **state) {
     const char *const paths[] = {f->source, second};
     sv_param_value values[2];
     const hs_loop_options options = result_options(values);
-    hs_source source;
+    hs_source *source;
     hs_loop *loop = result_loop(f, paths, 2, NULL, &options, &source);
-    expect_refused(loop, &source, HS_RESULT_CLIPPED | HS_RESULT_MASK, HS_ERR_INPUT,
+    expect_refused(loop, source, HS_RESULT_CLIPPED | HS_RESULT_MASK, HS_ERR_INPUT,
                    "second.mha: ElementType is MET_UCHAR, but ");
-    hs_loop_destroy(loop);
-    hs_source_close(&source);
 }
 
 static void a_confidence_that_is_not_there_is_refused(void **state) {
@@ -52,12 +50,10 @@ static void a_confidence_that_is_not_there_is_refused(void **state) {
     const char *const paths[] = {f->source};
     sv_param_value values[2];
     const hs_loop_options options = result_options(values);
-    hs_source source;
+    hs_source *source;
     hs_loop *loop = result_loop(f, paths, 1, NULL, &options, &source);
-    expect_refused(loop, &source, HS_RESULT_CONFIDENCE | HS_RESULT_MASK, HS_ERR_PLUGIN,
+    expect_refused(loop, source, HS_RESULT_CONFIDENCE | HS_RESULT_MASK, HS_ERR_PLUGIN,
                    "confidence: the plugin gave none");
-    hs_loop_destroy(loop);
-    hs_source_close(&source);
 }
 
 static void an_orbit_has_no_one_place(void **state) {
@@ -66,11 +62,9 @@ static void an_orbit_has_no_one_place(void **state) {
     sv_param_value values[2];
     hs_loop_options options = result_options(values);
     options.orbit = 30;
-    hs_source source;
+    hs_source *source;
     hs_loop *loop = result_loop(f, paths, 1, NULL, &options, &source);
-    expect_refused(loop, &source, HS_RESULT_MASK, HS_ERR_USAGE, "an orbit of 30 degrees");
-    hs_loop_destroy(loop);
-    hs_source_close(&source);
+    expect_refused(loop, source, HS_RESULT_MASK, HS_ERR_USAGE, "an orbit of 30 degrees");
 }
 
 /* Between reading and writing somebody else writes the file. */
@@ -82,14 +76,12 @@ static void a_file_that_changed_is_noticed(void **state) {
     const char *const paths[] = {path};
     sv_param_value values[2];
     const hs_loop_options options = result_options(values);
-    hs_source source;
+    hs_source *source;
     hs_loop *loop = result_loop(f, paths, 1, NULL, &options, &source);
     source_write(path, 1, "");
-    expect_refused(loop, &source, HS_RESULT_CLIPPED | HS_RESULT_MASK, HS_ERR_INPUT, "the file changed");
+    expect_refused(loop, source, HS_RESULT_CLIPPED | HS_RESULT_MASK, HS_ERR_INPUT, "the file changed");
     (void)unlink(path);
-    expect_refused(loop, &source, HS_RESULT_CLIPPED | HS_RESULT_MASK, HS_ERR_INPUT, "No such file");
-    hs_loop_destroy(loop);
-    hs_source_close(&source);
+    expect_refused(loop, source, HS_RESULT_CLIPPED | HS_RESULT_MASK, HS_ERR_INPUT, "No such file");
 }
 
 static void a_failed_plugin_cuts_nothing_away(void **state) {

@@ -53,12 +53,8 @@ static list *write_files(uint32_t nz) {
     return &files;
 }
 
-static hs_source open_list(const list *files) {
-    hs_source source;
-    hs_error err = {0};
-    if (!hs_source_open_files(&source, files->path, files->count, &all_scanned, &err))
-        fail_msg("%s", err.text);
-    return source;
+static hs_source *open_list(const list *files) {
+    return open_source(files->path, files->count, &all_scanned);
 }
 
 static const hs_volume *expect_volume(const hs_source *source, uint32_t index) {
@@ -88,40 +84,40 @@ static void memory_stays_flat(void **state) {
     const list *files = write_files(NZ);
     const uint32_t open_before = open_files();
     const size_t before = resident_bytes();
-    hs_source source = open_list(files);
-    assert_non_null(source.stream);
-    assert_int_equal(source.count, VOLUMES);
+    const void *mark = unit_mark();
+    hs_source *source = open_list(files);
+    assert_non_null(source->stream);
+    assert_int_equal(source->count, VOLUMES);
     size_t maximum = 0;
     for (uint32_t i = 0; i < VOLUMES + 5; i++) {
-        expect_volume(&source, i);
+        expect_volume(source, i);
         const size_t now = resident_bytes();
         if (now > maximum) maximum = now;
         assert_true(open_files() <= open_before + 1);
     }
     if (maximum > before + SEQUENCE_MAX_VOLUMES * (size_t)VOXELS)
         fail_msg("%zu bytes more in memory, a volume has %d", maximum - before, VOXELS);
-    hs_source_close(&source);
+    unit_return(mark);
     assert_int_equal(open_files(), open_before);
 }
 
 /* Each with the name and the place of its own file. */
 static void volumes_come_in_any_order(void **state) {
     const list *files = write_files(2);
-    hs_source source = open_list(files);
+    hs_source *source = open_list(files);
     uint32_t at = 0;
     for (uint32_t turn = 0; turn < 60; turn++) {
         char name[32];
         at = (at * 5 + turn * 3 + 1) % VOLUMES;
-        const hs_volume *volume = expect_volume(&source, at);
-        const hs_source_origin *origin = hs_source_origin_of(&source, at);
+        const hs_volume *volume = expect_volume(source, at);
+        const hs_source_origin *origin = hs_source_origin_of(source, at);
         (void)snprintf(name, sizeof name, "file%02u.mha", at);
         assert_string_equal(volume->name, name);
         assert_true(volume->pose.origin[0] == at);
         assert_string_equal(origin->path, files->path[at]);
         assert_int_equal(origin->index, 0);
-        assert_string_equal(hs_source_shape(&source)->name, "file00.mha");
+        assert_string_equal(hs_source_shape(source)->name, "file00.mha");
     }
-    hs_source_close(&source);
 }
 
 static void sequences_may_stand_among_them(void **state) {
@@ -130,15 +126,14 @@ static void sequences_may_stand_among_them(void **state) {
     add_file(&files, 0, 1, 2, "");
     add_file(&files, 1, 4, 2, "Seq_Frame0001_Timestamp = 7\n");
     add_file(&files, 5, 2, 2, "");
-    hs_source source = open_list(&files);
-    assert_int_equal(source.count, 7);
+    hs_source *source = open_list(&files);
+    assert_int_equal(source->count, 7);
     for (uint32_t i = 0; i < 16; i++) {
         const uint32_t n = i % 7;
-        expect_volume(&source, i);
-        assert_int_equal(hs_source_origin_of(&source, i)->index, n == 0 ? 0 : n < 5 ? n - 1 : n - 5);
-        assert_int_equal(hs_source_origin_of(&source, i)->fields.has_time, n == 2);
+        expect_volume(source, i);
+        assert_int_equal(hs_source_origin_of(source, i)->index, n == 0 ? 0 : n < 5 ? n - 1 : n - 5);
+        assert_int_equal(hs_source_origin_of(source, i)->fields.has_time, n == 2);
     }
-    hs_source_close(&source);
 }
 
 /* Types that are mapped to 8 bit: each file from its own range, which is looked for once. */
@@ -153,22 +148,20 @@ static void ranges_are_kept(void **state) {
         (void)snprintf(files.text[f], sizeof files.text[f], "%s", files_path(f ? "b.mha" : "a.mha"));
         files.path[f] = files.text[f];
     }
-    hs_source source = open_list(&files);
+    hs_source *source = open_list(&files);
     for (uint32_t i = 0; i < 9; i++) {
         hs_error err = {0};
-        const hs_volume *volume = hs_source_bring(&source, i, &err);
+        const hs_volume *volume = hs_source_bring(source, i, &err);
         assert_non_null(volume);
         assert_memory_equal(volume->voxels, expected[i % 2], 4);
     }
-    hs_source_close(&source);
 }
 
 static void every_frame_shows_its_volume(void **state) {
     uint8_t levels[VOLUMES];
     for (uint32_t n = 0; n < VOLUMES; n++) levels[n] = level_of(n);
-    hs_source source = open_list(write_files(40));
-    expect_every_frame_shows_its_volume(*state, &source, levels);
-    hs_source_close(&source);
+    hs_source *source = open_list(write_files(40));
+    expect_every_frame_shows_its_volume(*state, source, levels);
 }
 
 static void expect_failure(const hs_source *source, uint32_t index, const char *told) {
@@ -184,18 +177,17 @@ static void expect_failure(const hs_source *source, uint32_t index, const char *
 /* Files that go, or become others, while the sequence is played are errors of their frames alone. */
 static void a_file_that_changes_is_told(void **state) {
     const list *files = write_files(2);
-    hs_source source = open_list(files);
-    expect_volume(&source, 1);
+    hs_source *source = open_list(files);
+    expect_volume(source, 1);
     assert_int_equal(unlink(files->path[14]), 0);
-    expect_failure(&source, 14, "file14.mha: cannot be read");
+    expect_failure(source, 14, "file14.mha: cannot be read");
     list other = {.count = 0};
     add_file(&other, 17, 1, 3, "");
-    expect_failure(&source, 17, "file17.mha: is not as it was before: the file changed");
+    expect_failure(source, 17, "file17.mha: is not as it was before: the file changed");
     other.count = 0;
     add_file(&other, 20, 2, 2, "");
-    expect_failure(&source, 20, "file20.mha: is not as it was before: the file changed");
-    expect_volume(&source, 18);
-    hs_source_close(&source);
+    expect_failure(source, 20, "file20.mha: is not as it was before: the file changed");
+    expect_volume(source, 18);
 }
 
 static void expect_refusal(const list *files, const char *told) {
@@ -232,32 +224,27 @@ static void geometries_are_compared(void **state) {
         (void)snprintf(files.text[f], sizeof files.text[f], "%s", files_path(f ? "b.vol" : "a.vol"));
         files.path[f] = files.text[f];
     }
-    hs_source source = open_list(&files);
+    hs_source *source = open_list(&files);
     hs_error err = {0};
-    assert_int_equal(source.count, 2);
+    assert_int_equal(source->count, 2);
     for (uint32_t i = 0; i < 6; i++) {
-        const hs_volume *volume = hs_source_bring(&source, i, &err);
+        const hs_volume *volume = hs_source_bring(source, i, &err);
         assert_non_null(volume);
         assert_int_equal(volume->beams->voxels[0], 1 + i % 2);
     }
-    hs_source_close(&source);
     kretz_find(&plan, 0xC300, 2)->value[1] += 0.001; /* the middle line */
     kretz_file("b.vol", &plan);
     expect_refusal(&files, "b.vol: was scanned in another geometry than");
 }
 
-int main(void) {
-    /* What is freed goes back to the system at once, so that memory that was in use before hides none. */
+/* What is freed goes back to the system at once, so that memory that was in use before hides none. */
+static int flat_set_up(void **state) {
     (void)mallopt(M_MMAP_THRESHOLD, 1 << 17);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory_stays_flat),
-        cmocka_unit_test(volumes_come_in_any_order),
-        cmocka_unit_test(sequences_may_stand_among_them),
-        cmocka_unit_test(ranges_are_kept),
-        cmocka_unit_test(every_frame_shows_its_volume),
-        cmocka_unit_test(a_file_that_changes_is_told),
-        cmocka_unit_test(what_does_not_fit_is_refused),
-        cmocka_unit_test(geometries_are_compared),
-    };
-    return cmocka_run_group_tests(tests, sequence_set_up, sequence_tear_down);
+    return sequence_set_up(state);
 }
+
+UNIT_MAIN(flat_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
+          cmocka_unit_test(volumes_come_in_any_order), cmocka_unit_test(sequences_may_stand_among_them),
+          cmocka_unit_test(ranges_are_kept), cmocka_unit_test(every_frame_shows_its_volume),
+          cmocka_unit_test(a_file_that_changes_is_told), cmocka_unit_test(what_does_not_fit_is_refused),
+          cmocka_unit_test(geometries_are_compared))

@@ -22,7 +22,6 @@ static const record *one_frame(const fixture *f, const hs_plugin *plugin, const 
     hs_loop *loop = make_loop_of(f, plugin, options);
     assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &frame, &err));
     assert_int_equal(frame.outcome, SV_OK);
-    hs_loop_destroy(loop);
     return record_of(plugin);
 }
 
@@ -40,14 +39,14 @@ static hs_volume make_fan(void) {
 
 /* A low-resolution ray covers 3 x 3 rays of the source, and a slice 3 slices: the fan is cut along them. */
 static void ranges_are_the_fan(void **state) {
-    fixture f = *(const fixture *)*state;
+    static fixture f; /* what is given back at the end refers to it */
+    f = *(const fixture *)*state;
     hs_volume fan = make_fan();
     const hs_volume *volumes[] = {&fan};
     f.source = (hs_source){.volumes = volumes, .count = 1};
-    hs_plugin plugin;
-    open_plugin(&plugin, "recorder");
+    hs_plugin *plugin = open_plugin("recorder");
     const hs_loop_options o = options_with(NULL, 0);
-    const record *seen = one_frame(&f, &plugin, &o, 0);
+    const record *seen = one_frame(&f, plugin, &o, 0);
     assert_int_equal(seen->format.flags, SV_FORMAT_SCANNED);
     assert_int_equal(seen->format.padding_value, SV_NO_PADDING);
     for (uint32_t y = 0; y < LOW; y++)
@@ -61,8 +60,6 @@ static void ranges_are_the_fan(void **state) {
                 fail_msg("ray (%u, %u): %u .. %u, expected %u .. %u", x, y, range.first, range.end, first,
                          end);
         }
-    hs_plugin_close(&plugin);
-    hs_volume_free(&fan);
 }
 
 static void slabs_go_as_the_plugin_takes_them(void **state) {
@@ -78,17 +75,15 @@ static void slabs_go_as_the_plugin_takes_them(void **state) {
                  {"recorder_padding", HS_FAN_BEST, 0, 0},
                  {"recorder_plain", HS_FAN_BEST, 0, SV_NO_PADDING}};
     for (size_t n = 0; n < sizeof table / sizeof *table; n++) {
-        hs_plugin plugin;
-        open_plugin(&plugin, table[n].plugin);
+        hs_plugin *plugin = open_plugin(table[n].plugin);
         hs_loop_options o = options_with(NULL, 0);
         o.fan = table[n].wanted;
         assert_int_equal(o.carrier, SV_CARRIER_BUFFER); /* which these plugins do not take */
-        const record *seen = one_frame(f, &plugin, &o, 0);
+        const record *seen = one_frame(f, plugin, &o, 0);
         assert_int_equal(seen->format.carrier, SV_CARRIER_HOST);
         assert_null(seen->format.queue);
         assert_int_equal(seen->format.flags, table[n].flags);
         assert_int_equal(seen->format.padding_value, table[n].padding);
-        hs_plugin_close(&plugin);
     }
 }
 
@@ -108,13 +103,12 @@ static void what_it_does_not_take_is_said(void **state) {
                  {"recorder_padding", "takes no scanned ranges: its descriptor has features 0x2",
                   SV_CARRIER_BUFFER, false, HS_FAN_RANGES}};
     for (size_t n = 0; n < sizeof table / sizeof *table; n++) {
-        hs_plugin plugin;
-        open_plugin(&plugin, table[n].plugin);
+        hs_plugin *plugin = open_plugin(table[n].plugin);
         hs_loop_options o = options_with(NULL, 0);
         o.carrier = table[n].carrier;
         o.carrier_fixed = table[n].fixed;
         o.fan = table[n].fan;
-        hs_loop *loop = make_loop_of(f, &plugin, &o);
+        hs_loop *loop = make_loop_of(f, plugin, &o);
         hs_error err = {0};
         hs_frame frame;
         assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, &err));
@@ -122,40 +116,36 @@ static void what_it_does_not_take_is_said(void **state) {
         const hs_error *told = hs_loop_plugin_error(loop);
         assert_int_equal(told->code, HS_ERR_PLUGIN);
         if (!strstr(told->text, table[n].part)) fail_msg("'%s' in '%s'", table[n].part, told->text);
-        hs_loop_destroy(loop);
-        hs_plugin_close(&plugin);
     }
 }
 
 static void millimetres_and_time(void **state) {
     const fixture *f = *state;
-    hs_plugin plugin;
-    open_plugin(&plugin, "recorder");
+    hs_plugin *plugin = open_plugin("recorder");
     const hs_loop_options o = options_with(NULL, 0);
-    const record *seen = one_frame(f, &plugin, &o, 3);
+    const record *seen = one_frame(f, plugin, &o, 3);
     for (int axis = 0; axis < 3; axis++)
         assert_true(fabsf(seen->format.spacing_mm[axis] - 3.0f) < 1e-5f); /* 48 voxels of 1 mm by 16 */
     assert_int_equal(seen->frame.index, 3);
     assert_int_equal(seen->frame.time_ns, 200000000); /* the fourth of 20 a second */
-    hs_plugin_close(&plugin);
 }
 
 /* What the camera knows reaches the plugin; a volume that does not say where its probe was gives zeros. */
 static void where_the_probe_is(void **state) {
-    fixture f = *(const fixture *)*state;
+    static fixture f; /* what is given back at the end refers to it */
+    f = *(const fixture *)*state;
     hs_volume scanned = f.layers;
     const hs_volume *volumes[] = {&scanned};
     f.source = (hs_source){.volumes = volumes, .count = 1};
     hs_volume_scanned_from(&scanned, HS_PROBE_LOW_Z);
     for (int known = 1; known >= 0; known--) {
-        hs_plugin plugin;
-        open_plugin(&plugin, "recorder");
+        hs_plugin *plugin = open_plugin("recorder");
         hs_loop_options o = options_with(NULL, 0);
         o.yaw = 90; /* it looks along the volume's x: the beams run to the picture's left */
         scanned.course = (hs_course){.kind = known ? HS_BEAMS_FAN : HS_BEAMS_UNKNOWN, .sweep = 7};
         if (!known) memset(scanned.probe_turn, 0, sizeof scanned.probe_turn);
         static const float turned[9] = {0, 0, -1, 0, 1, 0, 1, 0, 0};
-        const record *seen = one_frame(&f, &plugin, &o, 0);
+        const record *seen = one_frame(&f, plugin, &o, 0);
         for (int k = 0; k < 9; k++) assert_true(seen->frame.probe_rotation[k] == (known ? turned[k] : 0.0f));
         for (int k = 0; k < 3; k++) assert_true(seen->frame.probe_side[k] == (float)(known && k == 0));
         /* The volume's corner is at the picture's right end, 16 pixels of 3 mm. */
@@ -164,45 +154,42 @@ static void where_the_probe_is(void **state) {
         assert_true(seen->frame.beam_sweep_mm == (known ? 7.0f : 0.0f));
         for (int k = 0; k < 3; k++)
             assert_true(fabsf(seen->frame.beam_apex_mm[k] - (known ? corner[k] : 0.0f)) < 1e-4f);
-        hs_plugin_close(&plugin);
     }
 }
 
 /* A still volume continues, and is the same one unless it is scanned live; a sequence continues until it
  * starts again; a camera that turns does where the plugin is told the pose. */
 static void what_continues(void **state) {
-    fixture f = *(const fixture *)*state;
+    static fixture f; /* what is given back at the end refers to it */
+    f = *(const fixture *)*state;
     enum { STILL, SEQUENCE, ORBIT, ORBIT_TOLD, LIVE, KINDS };
     hs_volume scanned = f.layers;
     const hs_volume *volumes[] = {&scanned, &scanned};
     f.source.volumes = volumes;
     for (uint32_t kind = 0; kind < KINDS; kind++) {
-        hs_plugin plugin;
-        open_plugin(&plugin, "recorder");
+        hs_plugin *plugin = open_plugin("recorder");
         f.source.count = kind == SEQUENCE ? 2 : 1;
         if (kind >= ORBIT_TOLD) hs_volume_scanned_from(&scanned, HS_PROBE_LOW_Z);
         hs_loop_options o = options_with(NULL, 0);
         o.orbit = kind == ORBIT || kind == ORBIT_TOLD ? 30 : 0;
         o.live = kind == LIVE;
-        hs_loop *loop = make_loop_of(&f, &plugin, &o);
+        hs_loop *loop = make_loop_of(&f, plugin, &o);
         for (uint32_t index = 0; index < 4; index++) {
             hs_error err = {0};
             hs_frame frame;
             assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &frame, &err));
             const bool continues = kind == SEQUENCE ? index % 2 == 1 : kind != ORBIT && index > 0;
             const bool same = continues && kind != SEQUENCE && kind != LIVE;
-            const uint32_t flags = record_of(&plugin)->frame.flags;
+            const uint32_t flags = record_of(plugin)->frame.flags;
             if (flags != (same ? SV_FRAME_SAME_VOLUME : continues ? 0u : (uint32_t)SV_FRAME_DISCONTINUITY))
                 fail_msg("kind %u, frame %u: flags are %u", kind, index, flags);
         }
         /* A plugin that is activated anew knows nothing of the frame before. */
         hs_error err = {0};
         hs_frame frame;
-        assert_true(hs_loop_reactivate(loop, &plugin, &o, &err));
+        assert_true(hs_loop_reactivate(loop, plugin, &o, &err));
         assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, 5, &frame, &err));
-        assert_true(record_of(&plugin)->frame.flags & SV_FRAME_DISCONTINUITY);
-        hs_loop_destroy(loop);
-        hs_plugin_close(&plugin);
+        assert_true(record_of(plugin)->frame.flags & SV_FRAME_DISCONTINUITY);
     }
 }
 

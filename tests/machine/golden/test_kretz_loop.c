@@ -49,11 +49,8 @@ static const char *write_sequence(uint32_t volumes) {
 
 static const hs_source_files coarse = {.kretz = {.spacing = 3.0}};
 
-static hs_source open_source(const char *path, const hs_source_files *how) {
-    hs_source source;
-    hs_error err = {0};
-    if (!hs_source_open_files(&source, &path, 1, how, &err)) fail_msg("%s", err.text);
-    return source;
+static hs_source *open_one(const char *path, const hs_source_files *how) {
+    return open_source(&path, 1, how);
 }
 
 static uint8_t brightest(const hs_volume *volume) {
@@ -67,14 +64,14 @@ static uint8_t brightest(const hs_volume *volume) {
 static void memory_stays_flat(void **state) {
     const char *path = write_sequence(VOLUMES);
     const size_t before = resident_bytes();
-    hs_source source = open_source(path, NULL);
+    hs_source *source = open_one(path, NULL);
     hs_error err = {0};
-    assert_int_equal(source.count, VOLUMES);
-    const hs_volume *shape = hs_source_shape(&source);
+    assert_int_equal(source->count, VOLUMES);
+    const hs_volume *shape = hs_source_shape(source);
     const size_t bytes = hs_volume_count(shape) + hs_beams_count(shape->beams);
     size_t maximum = 0;
     for (uint32_t i = 0; i < VOLUMES + 5; i++) {
-        const hs_volume *volume = hs_source_bring(&source, i, &err);
+        const hs_volume *volume = hs_source_bring(source, i, &err);
         if (!volume) fail_msg("%s", err.text);
         assert_int_equal(brightest(volume), level_of(i % VOLUMES));
         const size_t now = resident_bytes();
@@ -83,17 +80,16 @@ static void memory_stays_flat(void **state) {
     assert_true(bytes > 1u << 20);
     if (maximum > before + 5 * bytes)
         fail_msg("%zu bytes more in memory, a volume has %zu", maximum - before, bytes);
-    hs_source_close(&source);
 }
 
 static void volumes_come_in_any_order(void **state) {
     for (uint32_t volumes = 2; volumes <= 7; volumes++) {
-        hs_source source = open_source(write_sequence(volumes), &coarse);
+        hs_source *source = open_one(write_sequence(volumes), &coarse);
         hs_error err = {0};
         uint32_t at = 0;
         for (uint32_t turn = 0; turn < 40; turn++) {
             at = (at * 5 + turn * 3 + 1) % volumes;
-            const hs_volume *volume = hs_source_bring(&source, at, &err);
+            const hs_volume *volume = hs_source_bring(source, at, &err);
             if (!volume) {
                 fail_msg("%s", err.text);
                 return;
@@ -101,45 +97,43 @@ static void volumes_come_in_any_order(void **state) {
             assert_int_equal(brightest(volume), level_of(at));
             assert_int_equal(volume->beams->voxels[turn], level_of(at));
         }
-        hs_source_close(&source);
     }
 }
 
 /* A stream is closed while its thread reads. */
 static void a_stream_ends_at_once(void **state) {
     const char *path = write_sequence(VOLUMES);
+    const void *mark = unit_mark();
     for (int turn = 0; turn < 10; turn++) {
-        hs_source source = open_source(path, &coarse);
-        hs_source_close(&source);
+        open_one(path, &coarse);
+        unit_return(mark);
     }
 }
 
 static void every_frame_shows_its_volume(void **state) {
     uint8_t levels[VOLUMES];
     for (uint32_t n = 0; n < VOLUMES; n++) levels[n] = level_of(n);
-    hs_source source = open_source(write_sequence(VOLUMES), &coarse);
-    expect_every_frame_shows_its_volume(*state, &source, levels);
-    hs_source_close(&source);
+    hs_source *source = open_one(write_sequence(VOLUMES), &coarse);
+    expect_every_frame_shows_its_volume(*state, source, levels);
 }
 
 /* The file loses its end while it is played: the frames that are gone are errors, with file and reason. */
 static void a_failing_file_is_told(void **state) {
     const char *path = write_sequence(VOLUMES);
-    hs_source source = open_source(path, &coarse);
+    hs_source *source = open_one(path, &coarse);
     hs_error err = {0};
-    assert_non_null(hs_source_bring(&source, 1, &err));
+    assert_non_null(hs_source_bring(source, 1, &err));
     assert_int_equal(truncate(path, 20 * SAMPLES * LINES * PLANES), 0);
     for (int turn = 0; turn < 3; turn++) {
         err = (hs_error){0};
-        assert_null(hs_source_bring(&source, 22, &err));
+        assert_null(hs_source_bring(source, 22, &err));
         assert_int_equal(err.code, HS_ERR_INPUT);
         assert_non_null(strstr(err.text, "sequence.vol"));
         assert_non_null(strstr(err.text, "became shorter"));
-        const hs_volume *volume = hs_source_bring(&source, 3, &err); /* what is left is still there */
+        const hs_volume *volume = hs_source_bring(source, 3, &err); /* what is left is still there */
         assert_non_null(volume);
         assert_int_equal(brightest(volume), level_of(3));
     }
-    hs_source_close(&source);
 }
 
 static void expect_refusal(const char *const *paths, uint32_t count, const hs_source_files *how, hs_code code,
@@ -191,9 +185,9 @@ static void cartesian_voxels_are_handed_on(void **state) {
     kretz_drop(&plan, 0xC300, 2);
     kretz_find(&plan, 0x0001, 0x0100)->value[0] = 1;
     kretz_file("cartesian.vol", &plan);
-    hs_source source = open_source(files_path("cartesian.vol"), NULL);
+    hs_source *source = open_one(files_path("cartesian.vol"), NULL);
     hs_error err = {0};
-    hs_result_voxels *voxels = hs_result_voxels_open(&source, &err);
+    hs_result_voxels *voxels = hs_result_voxels_open(source, &err);
     if (!voxels || !hs_result_voxels_turn(voxels, 0)) {
         fail_msg("%s", err.text);
         return;
@@ -201,7 +195,6 @@ static void cartesian_voxels_are_handed_on(void **state) {
     const uint8_t *bytes = hs_result_voxels_next(voxels, KRETZ_VOXELS);
     for (uint32_t i = 0; i < KRETZ_VOXELS; i++) assert_int_equal(bytes[i], i + 1);
     hs_result_voxels_close(voxels);
-    hs_source_close(&source);
 }
 
 UNIT_MAIN(sequence_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),

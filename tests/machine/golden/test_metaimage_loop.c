@@ -95,11 +95,8 @@ static const char *write_sequence(const kind *k, uint32_t nz, size_t more) {
     return path;
 }
 
-static hs_source open_source(const char *path) {
-    hs_source source;
-    hs_error err = {0};
-    if (!hs_source_open_files(&source, &path, 1, &all_scanned, &err)) fail_msg("%s", err.text);
-    return source;
+static hs_source *open_one(const char *path) {
+    return open_source(&path, 1, &all_scanned);
 }
 
 /* Every voxel of the volume, the first and the last one, too, is that of volume `n`. */
@@ -129,41 +126,41 @@ static void memory_stays_flat(void **state) {
     for (size_t which = 0; which < KINDS; which++) {
         const kind *k = &kinds[which];
         const char *path = write_sequence(k, NZ, 0);
+        const void *mark = unit_mark();
         const size_t before = resident_bytes();
-        hs_source source = open_source(path);
-        assert_non_null(source.stream);
-        assert_int_equal(source.count, VOLUMES);
+        hs_source *source = open_one(path);
+        assert_non_null(source->stream);
+        assert_int_equal(source->count, VOLUMES);
         size_t maximum = 0;
         for (uint32_t i = 0; i < VOLUMES + 5; i++) {
-            expect_volume(&source, k, i);
+            expect_volume(source, k, i);
             const size_t now = resident_bytes();
             if (now > maximum) maximum = now;
         }
         if (maximum > before + SEQUENCE_MAX_VOLUMES * (size_t)VOXELS * SHADOW)
             fail_msg("%s: %zu bytes more in memory, a volume has %d", k->name, maximum - before, VOXELS);
-        hs_source_close(&source);
+        unit_return(mark);
     }
 }
 
 static void volumes_come_in_any_order(void **state) {
     for (size_t which = 0; which < KINDS; which++) {
-        hs_source source = open_source(write_sequence(&kinds[which], 2, 0));
+        hs_source *source = open_one(write_sequence(&kinds[which], 2, 0));
         uint32_t at = 0;
         for (uint32_t turn = 0; turn < 60; turn++) {
             at = (at * 5 + turn * 3 + 1) % VOLUMES;
-            expect_volume(&source, &kinds[which], at);
+            expect_volume(source, &kinds[which], at);
         }
-        hs_source_close(&source);
     }
 }
 
 static void what_is_said_stays_with_its_volume(void **state) {
     for (size_t which = 0; which < KINDS; which++) {
         const char *path = write_sequence(&kinds[which], 2, 0);
-        hs_source source = open_source(path);
-        assert_int_equal(source.left_out, 2);
+        hs_source *source = open_one(path);
+        assert_int_equal(source->left_out, 2);
         for (uint32_t i = 0; i < VOLUMES + 1; i++) {
-            const hs_source_origin *origin = hs_source_origin_of(&source, i);
+            const hs_source_origin *origin = hs_source_origin_of(source, i);
             const uint32_t frame = frame_of(i % VOLUMES);
             assert_string_equal(origin->path, path);
             assert_int_equal(origin->index, i % VOLUMES);
@@ -172,25 +169,24 @@ static void what_is_said_stays_with_its_volume(void **state) {
             assert_true(origin->fields.transforms[0].matrix[3] == frame);
             assert_false(origin->fields.invalid);
         }
-        hs_source_close(&source);
     }
 }
 
 /* A stream is closed while its thread reads. */
 static void a_stream_ends_at_once(void **state) {
     const char *path = write_sequence(&kinds[3], NZ / 4, 0);
+    const void *mark = unit_mark();
     for (int turn = 0; turn < 5; turn++) {
-        hs_source source = open_source(path);
-        hs_source_close(&source);
+        open_one(path);
+        unit_return(mark);
     }
 }
 
 static void every_frame_shows_its_volume(void **state) {
     uint8_t levels[VOLUMES];
     for (uint32_t n = 0; n < VOLUMES; n++) levels[n] = level_of(&kinds[2], n);
-    hs_source source = open_source(write_sequence(&kinds[2], 40, 0));
-    expect_every_frame_shows_its_volume(*state, &source, levels);
-    hs_source_close(&source);
+    hs_source *source = open_one(write_sequence(&kinds[2], 40, 0));
+    expect_every_frame_shows_its_volume(*state, source, levels);
 }
 
 /* Volume `index` fails, whenever it is asked for, and says why; volume 1 is there all the same. */
@@ -208,11 +204,10 @@ static void expect_failure(const hs_source *source, const kind *k, uint32_t inde
 /* The file loses its end while it is played. */
 static void a_failing_file_is_told(void **state) {
     const char *path = write_sequence(&kinds[0], NZ, 0);
-    hs_source source = open_source(path);
-    expect_volume(&source, &kinds[0], 1);
+    hs_source *source = open_one(path);
+    expect_volume(source, &kinds[0], 1);
     assert_int_equal(truncate(path, 20 * (off_t)VOXELS), 0);
-    expect_failure(&source, &kinds[0], 22, "it became shorter");
-    hs_source_close(&source);
+    expect_failure(source, &kinds[0], 22, "it became shorter");
 }
 
 /* Compressed bytes that are wrong are met when they are inflated: the volumes before them are played. */
@@ -224,18 +219,16 @@ static void damaged_data_is_told(void **state) {
     assert_int_equal(fseeko(file, -20000, SEEK_END), 0);
     for (int i = 0; i < 200; i++) assert_int_equal(fputc(0xFF, file), 0xFF);
     assert_int_equal(fclose(file), 0);
-    hs_source source = open_source(path);
-    expect_failure(&source, k, VOLUMES - 1, "CompressedData is damaged");
-    hs_source_close(&source);
+    hs_source *source = open_one(path);
+    expect_failure(source, k, VOLUMES - 1, "CompressedData is damaged");
 }
 
 /* That the data ends behind the last volume is checked with it. */
 static void trailing_data_is_told(void **state) {
     const kind *k = &kinds[2];
-    hs_source source = open_source(write_sequence(k, 2, 3));
-    expect_failure(&source, k, VOLUMES - 1, "3 bytes follow after the compressed data");
-    expect_volume(&source, k, VOLUMES - 2);
-    hs_source_close(&source);
+    hs_source *source = open_one(write_sequence(k, 2, 3));
+    expect_failure(source, k, VOLUMES - 1, "3 bytes follow after the compressed data");
+    expect_volume(source, k, VOLUMES - 2);
 }
 
 /* A compressed file that is cut while it is read, and whole again later: what was half read is no state to go
@@ -268,19 +261,14 @@ static void a_read_that_failed_starts_anew(void **state) {
     hs_metaimage_close(file);
 }
 
-int main(void) {
-    /* What is freed goes back to the system at once, so that memory that was in use before hides none. */
+/* What is freed goes back to the system at once, so that memory that was in use before hides none. */
+static int flat_set_up(void **state) {
     (void)mallopt(M_MMAP_THRESHOLD, 1 << 17);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory_stays_flat),
-        cmocka_unit_test(volumes_come_in_any_order),
-        cmocka_unit_test(what_is_said_stays_with_its_volume),
-        cmocka_unit_test(a_stream_ends_at_once),
-        cmocka_unit_test(every_frame_shows_its_volume),
-        cmocka_unit_test(a_failing_file_is_told),
-        cmocka_unit_test(damaged_data_is_told),
-        cmocka_unit_test(trailing_data_is_told),
-        cmocka_unit_test(a_read_that_failed_starts_anew),
-    };
-    return cmocka_run_group_tests(tests, sequence_set_up, sequence_tear_down);
+    return sequence_set_up(state);
 }
+
+UNIT_MAIN(flat_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
+          cmocka_unit_test(volumes_come_in_any_order), cmocka_unit_test(what_is_said_stays_with_its_volume),
+          cmocka_unit_test(a_stream_ends_at_once), cmocka_unit_test(every_frame_shows_its_volume),
+          cmocka_unit_test(a_failing_file_is_told), cmocka_unit_test(damaged_data_is_told),
+          cmocka_unit_test(trailing_data_is_told), cmocka_unit_test(a_read_that_failed_starts_anew))

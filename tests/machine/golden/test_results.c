@@ -247,17 +247,14 @@ static void sequences_give_sequences(void **state) {
 
 /* A sequence that this project wrote is read back by it. */
 static void sequences_read_back(void **state) {
-    hs_source source;
-    hs_error err = {0};
     char back[PATH_MAX];
     (void)snprintf(back, sizeof back, "%s", result_path("clipped.mha"));
     const char *const written[] = {back};
-    if (!hs_source_open_files(&source, written, 1, NULL, &err)) fail_msg("%s", err.text);
-    assert_int_equal(source.count, 2);
-    const hs_frame_fields *fields = &hs_source_origin_of(&source, 0)->fields;
+    const hs_source *source = open_source(written, 1, NULL);
+    assert_int_equal(source->count, 2);
+    const hs_frame_fields *fields = &hs_source_origin_of(source, 0)->fields;
     assert_true(fields->has_time && fields->time == 2.5 && fields->transform_count == 1);
-    assert_true(hs_source_volume(&source, 0)->pose.origin[2] == source_offset[2]);
-    hs_source_close(&source);
+    assert_true(hs_source_volume(source, 0)->pose.origin[2] == source_offset[2]);
 }
 
 UNIT_MAIN(result_set_up, result_tear_down, cmocka_unit_test(five_cameras_make_the_round_trip),

@@ -43,8 +43,6 @@ static void the_line_is_where_the_plane_is(void **state) {
                          grey(10));
     }
     hs_picture_free(&p);
-    hs_view_free(&view);
-    hs_loop_destroy(loop);
 }
 
 /* Nothing is clipped: nothing is dimmed, and the sentence is one for people. */
@@ -64,14 +62,12 @@ static void nothing_clipped_is_said_in_words(void **state) {
     assert_true(hs_picture_slices(&p, &view, CELL, &(hs_caption){0}, &err));
     assert_int_equal(at(&p, 0, 0.2, (OCCLUDER + 4.0) / N), grey(153));
     hs_picture_free(&p);
-    hs_view_free(&view);
-    hs_loop_destroy(loop);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_line_is_where_the_plane_is),
-                                       cmocka_unit_test(nothing_clipped_is_said_in_words)};
-    const int failed = cmocka_run_group_tests(tests, set_up, tear_down);
-    hs_picture_finish(); /* or the fonts count as leaks */
-    return failed;
+static int tear_down_fonts(void **state) {
+    hs_picture_finish(); /* or they count as leaks */
+    return tear_down(state);
 }
+
+UNIT_MAIN(set_up, tear_down_fonts, cmocka_unit_test(the_line_is_where_the_plane_is),
+          cmocka_unit_test(nothing_clipped_is_said_in_words))
