@@ -38,9 +38,8 @@ static void fill(layer_subject *s) {
 }
 
 layer_subject *layer_load(const char *folder) {
-    layer_subject *s = calloc(1, sizeof *s);
+    layer_subject *s = unit_memory(sizeof *s);
     char path[1024];
-    assert_non_null(s);
     fill(s);
     (void)snprintf(path, sizeof path, "%s/smartvis_check.so", folder);
     s->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
@@ -84,7 +83,6 @@ void layer_close(layer_subject *s) {
     if (s->map) (void)clReleaseMemObject(s->map);
     if (s->cl.context) hs_cl_close(&s->cl);
     (void)dlclose(s->library);
-    free(s);
 }
 
 sv_slab layer_slab_of(const layer_subject *s, uint32_t n) {

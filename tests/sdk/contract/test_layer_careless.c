@@ -46,8 +46,7 @@ static void hear(const sv_host *host, int32_t severity, const char *text) {
 }
 
 static careless *open_host(const char *plugin, uint32_t seed, bool queue) {
-    careless *c = calloc(1, sizeof *c);
-    assert_non_null(c);
+    careless *c = unit_memory(sizeof *c);
     c->s = layer_open(plugin);
     c->seed = seed;
     if (queue) layer_take_queue(c->s);
@@ -60,7 +59,6 @@ static careless *open_host(const char *plugin, uint32_t seed, bool queue) {
 static void close_host(careless *c) {
     if (c->active) c->s->p->deactivate(c->s->p);
     layer_close(c->s);
-    free(c);
 }
 
 static uint32_t below(careless *c, uint32_t count) {

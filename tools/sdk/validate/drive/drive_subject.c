@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_PLUGINS = 4096, LONGEST_LINE = 65536 };
-
 const char *v_status(sv_status status) {
     static _Thread_local char texts[4][64];
     static _Thread_local uint32_t turn;
@@ -74,16 +72,13 @@ void v_load(v_run *run, v_subject *s) {
     V_EXPECT(run, s->library, "dlopen: %s", dlerror());
     s->entry = dlsym(s->library, SV_ENTRY_SYMBOL);
     V_EXPECT(run, s->entry, "dlsym: %s", dlerror());
-    V_EXPECT(run, s->entry->abi_major == SV_ABI_MAJOR, "entry.abi_major is %u, expected %u",
-             s->entry->abi_major, SV_ABI_MAJOR);
-    V_EXPECT(run, s->entry->size >= sizeof(sv_entry) && s->entry->descriptor && s->entry->create,
-             "the entry is not whole");
+    const rule_sink to = v_sink(run);
+    judge_entry(&to, s->entry);
 }
 
 static void find_descriptor(v_subject *s) {
     v_where(s->run, "descriptor");
-    const uint32_t count = s->entry->count < MAX_PLUGINS ? s->entry->count : MAX_PLUGINS;
-    for (uint32_t i = 0; i < count && !s->descriptor; i++) {
+    for (uint32_t i = 0; i < s->entry->count && !s->descriptor; i++) {
         const sv_descriptor *d = s->entry->descriptor(i);
         V_EXPECT(s->run, d && d->size >= sizeof *d && d->id, "descriptor %u is not whole", i);
         if (!s->run->id || strcmp(d->id, s->run->id) == 0) s->descriptor = d;
@@ -98,29 +93,26 @@ const sv_plugin *v_another(v_subject *s) {
     const sv_status status = s->entry->create(&s->host.api, s->descriptor->id, &p);
     V_EXPECT(s->run, status == SV_OK, "create: %s: %s", v_status(status), s->host.line);
     V_EXPECT(s->run, p, "create: SV_OK, and *out is NULL");
-    V_EXPECT(s->run, p->size >= sizeof *p, "instance.size is %u, expected at least %zu", p->size, sizeof *p);
-    V_EXPECT(s->run,
-             p->descriptor && p->destroy && p->activate && p->deactivate && p->begin && p->slab && p->end &&
-                 p->adjust && p->param_count && p->param_info && p->param_text && p->last_error &&
-                 p->get_extension,
-             "a function or the descriptor of the instance is NULL");
+    const rule_sink to = v_sink(s->run);
+    judge_instance(&to, p);
     return p;
 }
 
-void v_open(v_run *run, v_subject *s) {
+static void open_with(v_run *run, v_subject *s, bool bare) {
     v_load(run, s);
     find_descriptor(s);
     v_host_begin(&s->host, run);
+    if (bare) s->host.api.log = NULL;
+    if (bare) s->host.api.get_extension = NULL;
     s->plugin = v_another(s);
 }
 
+void v_open(v_run *run, v_subject *s) {
+    open_with(run, s, false);
+}
+
 void v_open_bare(v_run *run, v_subject *s) {
-    v_load(run, s);
-    find_descriptor(s);
-    v_host_begin(&s->host, run);
-    s->host.api.log = NULL;
-    s->host.api.get_extension = NULL;
-    s->plugin = v_another(s);
+    open_with(run, s, true);
 }
 
 void v_close(v_subject *s) {
