@@ -85,8 +85,7 @@ void result_open(result_file *file, const char *path) {
     file->voxel_bytes = type_bytes(file->type);
     file->voxels = (size_t)file->size[0] * file->size[1] * file->size[2] * file->size[3];
     const size_t expected = file->voxels * file->voxel_bytes;
-    file->data = malloc(expected);
-    assert_non_null(file->data);
+    file->data = unit_memory(expected);
     if (strncmp(value_of(file, "CompressedData"), "True", 4) == 0) {
         uLongf made = expected;
         assert_int_equal(uncompress(file->data, &made, all + text, (uLong)(bytes - text)), Z_OK);
@@ -96,11 +95,6 @@ void result_open(result_file *file, const char *path) {
         memcpy(file->data, all + text, expected);
     }
     free(all);
-}
-
-void result_close(result_file *file) {
-    free(file->data);
-    file->data = NULL;
 }
 
 void result_world(const result_file *file, const double index[3], double world[3]) {
@@ -147,9 +141,8 @@ void result_mesh_open(result_mesh *mesh, const char *path) {
     mesh->faces = (uint32_t)strtoul(face + 14, NULL, 10);
     const uint8_t *at = (const uint8_t *)end + strlen("\nend_header\n");
     assert_int_equal((size_t)(all + bytes - at), mesh->vertices * 12u + mesh->faces * 13u);
-    mesh->vertex = malloc(mesh->vertices * sizeof *mesh->vertex + 1);
-    mesh->face = malloc(mesh->faces * sizeof *mesh->face + 1);
-    assert_true(mesh->vertex && mesh->face);
+    mesh->vertex = unit_memory(mesh->vertices * sizeof *mesh->vertex + 1);
+    mesh->face = unit_memory(mesh->faces * sizeof *mesh->face + 1);
     memcpy(mesh->vertex, at, mesh->vertices * 12u);
     at += mesh->vertices * 12u;
     for (uint32_t i = 0; i < mesh->faces; i++, at += 13) {
@@ -157,9 +150,4 @@ void result_mesh_open(result_mesh *mesh, const char *path) {
         memcpy(mesh->face[i], at + 1, 12);
     }
     free(all);
-}
-
-void result_mesh_close(result_mesh *mesh) {
-    free(mesh->vertex);
-    free(mesh->face);
 }

@@ -16,9 +16,8 @@ typedef struct {
     uint8_t *data;
 } result_file;
 
-/* Fails the test if the file is not as this project writes them. */
+/* Fails the test if the file is not as this project writes them; the voxels are kept for the test. */
 void result_open(result_file *file, const char *path);
-void result_close(result_file *file);
 
 /* The world's place of an index, and the index of a world's place. */
 void result_world(const result_file *file, const double index[3], double world[3]);
@@ -34,6 +33,5 @@ typedef struct {
     int32_t (*face)[3];
 } result_mesh;
 void result_mesh_open(result_mesh *mesh, const char *path);
-void result_mesh_close(result_mesh *mesh);
 
 #endif

@@ -25,6 +25,20 @@ static int teardown(void **state) {
     return rmdir(folder); /* fails if a test left a file */
 }
 
+static void give_picture_back(void *picture) {
+    hs_picture_free(picture);
+    free(picture);
+}
+
+/* It is kept for the test. */
+static hs_picture blank(uint32_t width, uint32_t height, uint32_t colour) {
+    hs_error err = {0};
+    hs_picture *p = malloc(sizeof *p);
+    assert_true(p && hs_picture_init(p, width, height, colour, &err));
+    unit_keep(give_picture_back, p);
+    return *p;
+}
+
 static uint32_t pixel(const hs_picture *p, uint32_t x, uint32_t y) {
     assert_true(x < p->width && y < p->height);
     return p->pixels[(size_t)y * p->width + x];
@@ -83,11 +97,9 @@ static void a_picture_has_limits(void **state) {
 }
 
 static void blit_scales_and_clips(void **state) {
-    hs_error err = {0};
-    hs_picture p;
     static const uint8_t gray[6] = {0, 100, 200, 10, 110, 210};
     const hs_image image = {gray, 3, 2, 1};
-    assert_true(hs_picture_init(&p, 9, 6, 0x123456, &err));
+    hs_picture p = blank(9, 6, 0x123456);
     hs_picture_blit(&p, 0, 0, 9, 6, &image, HS_SCALE_NEAREST); /* 3 x 3 pixels for each */
     for (uint32_t y = 0; y < 6; y++)
         for (uint32_t x = 0; x < 9; x++)
@@ -112,16 +124,13 @@ static void blit_scales_and_clips(void **state) {
     static const uint8_t rgba[4] = {1, 2, 3, 0};
     hs_picture_blit(&p, 3, 3, 1, 1, &(hs_image){rgba, 1, 1, 4}, HS_SCALE_SMOOTH);
     assert_int_equal(pixel(&p, 3, 3), 0x010203); /* alpha does not count */
-    hs_picture_free(&p);
 }
 
 /* Where it becomes smaller every pixel is the mean of what it covers, parts of pixels included. */
 static void a_smaller_picture_does_not_alias(void **state) {
-    hs_error err = {0};
-    hs_picture p;
     static const uint8_t gray[6] = {0, 90, 240, 30, 120, 60};
     const hs_image image = {gray, 3, 2, 1};
-    assert_true(hs_picture_init(&p, 16, 16, 0, &err));
+    hs_picture p = blank(16, 16, 0);
     hs_picture_blit(&p, 0, 0, 2, 1, &image, HS_SCALE_SMOOTH);
     /* Columns 0 .. 1.5 and 1.5 .. 3 of both rows: (0 + 30 + (90 + 120) / 2) / 3, (240 + 60 + 105) / 3. */
     assert_int_equal(pixel(&p, 0, 0), 45 * 0x010101);
@@ -135,15 +144,13 @@ static void a_smaller_picture_does_not_alias(void **state) {
         for (uint32_t i = 0; i < side * side; i++)
             assert_true(fabs((double)(pixel(&p, i % side, i / side) & 255) - 127.5) <= 127.5 / cells + 0.5);
     }
-    hs_picture_free(&p);
 }
 
 static void a_saved_png_reads_back(void **state) {
     hs_error err = {0};
-    hs_picture p;
     char path[128];
     (void)snprintf(path, sizeof path, "%s/a.png", folder);
-    assert_true(hs_picture_init(&p, 37, 11, 0, &err));
+    hs_picture p = blank(37, 11, 0);
     for (uint32_t i = 0; i < 37 * 11; i++) p.pixels[i] = i * 2654435761u & 0xffffff;
     assert_true(hs_picture_save(&p, path, &err));
     png_image image = {.version = PNG_IMAGE_VERSION};
@@ -172,13 +179,11 @@ static void a_saved_png_reads_back(void **state) {
     assert_true(png_image_begin_read_from_file(&image, path));
     png_image_free(&image);
     assert_int_equal(unlink(path), 0);
-    hs_picture_free(&p);
 }
 
 static void a_place_that_cannot_be_written_is_named(void **state) {
-    hs_picture p;
     hs_error err = {0};
-    assert_true(hs_picture_init(&p, 4, 4, 0, &err));
+    hs_picture p = blank(4, 4, 0);
     char path[128];
     (void)snprintf(path, sizeof path, "%s/absent/a.png", folder);
     assert_false(hs_picture_save(&p, path, &err));
@@ -188,7 +193,6 @@ static void a_place_that_cannot_be_written_is_named(void **state) {
     err = (hs_error){0};
     assert_false(hs_picture_save(&p, "/dev/full", &err)); /* a device is not replaced by a file */
     assert_non_null(strstr(err.text, "/dev/full: cannot be written: exists and is not a regular file"));
-    hs_picture_free(&p);
 }
 
 /* The box of pixels that differ from the background; 0 0 0 0 if none does. */
@@ -211,9 +215,8 @@ static void text_stays_in_its_place(void **state) {
     for (size_t i = 0; i < 4; i++) {
         for (int align = HS_ALIGN_LEFT; align <= HS_ALIGN_RIGHT; align++) {
             hs_error err = {0};
-            hs_picture p;
             uint32_t box[4];
-            assert_true(hs_picture_init(&p, 300, 60, 0, &err));
+            hs_picture p = blank(300, 60, 0);
             assert_true(hs_picture_text(&p, 150, 40, 20, 0xffffff, (hs_align)align, 120, texts[i], &err));
             ink_box(&p, box);
             const uint32_t left = align == HS_ALIGN_LEFT ? 150 : align == HS_ALIGN_CENTRE ? 90 : 30;
@@ -221,7 +224,6 @@ static void text_stays_in_its_place(void **state) {
                         box[2] <= left + 122); /* glyphs may reach over by a pixel or two */
             assert_true(box[1] >= 20 && box[3] <= 46 && box[3] >= 40); /* stands on y = 40 */
             assert_true(box[2] - box[0] >= 60);
-            hs_picture_free(&p);
         }
     }
 }
@@ -231,13 +233,11 @@ static void a_long_text_is_set_smaller_first(void **state) {
     uint32_t box[2][4];
     for (int i = 0; i < 2; i++) {
         hs_error err = {0};
-        hs_picture p;
-        assert_true(hs_picture_init(&p, 300, 60, 0, &err));
+        hs_picture p = blank(300, 60, 0);
         const double max_width = i == 0 ? 0.0 : 0.8 * (box[0][2] - box[0][0]);
         assert_true(
             hs_picture_text(&p, 10, 40, 20, 0xffffff, HS_ALIGN_LEFT, max_width, "lldldldldldl", &err));
         ink_box(&p, box[i]);
-        hs_picture_free(&p);
     }
     const double wide = box[0][2] - box[0][0], high = box[0][3] - box[0][1];
     assert_true(fabs((box[1][2] - box[1][0]) / wide - 0.8) < 0.04);

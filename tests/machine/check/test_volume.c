@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* hs_volume: limits, and the unscanned region against a plain flood fill. */
-#include "support/unit.h"
+#include "support/host_fixture.h"
 #include "volume/volume.h"
 
 #include <limits.h>
@@ -13,9 +13,12 @@ static uint32_t next_random(void) {
     return (uint32_t)(random_state >> 33);
 }
 
-static void make(hs_volume *volume, uint32_t nx, uint32_t ny, uint32_t nz) {
+static hs_volume make(uint32_t nx, uint32_t ny, uint32_t nz) {
     hs_error err = {0};
-    assert_true(hs_volume_init(volume, nx, ny, nz, &err));
+    hs_volume volume;
+    assert_true(hs_volume_init(&volume, nx, ny, nz, &err));
+    keep_volume(&volume);
+    return volume;
 }
 
 static size_t count_value(const hs_volume *volume, uint8_t value) {
@@ -48,7 +51,8 @@ static void sizes_outside_the_limits_are_refused(void **state) {
 
 static void a_new_volume_is_zero_and_one_mm(void **state) {
     hs_volume volume;
-    make(&volume, 3, 5, 7);
+    hs_error err = {0};
+    assert_true(hs_volume_init(&volume, 3, 5, 7, &err));
     assert_int_equal(hs_volume_count(&volume), 105);
     assert_int_equal(count_value(&volume, 0), 105);
     for (int axis = 0; axis < 3; axis++) assert_true(volume.spacing[axis] == 1.0);
@@ -90,8 +94,7 @@ static void unscanned_equals_a_plain_flood(void **state) {
     size_t inner = 0;
     for (size_t w = 0; w < sizeof widths / sizeof *widths; w++) {
         for (size_t p = 0; p < sizeof percents / sizeof *percents; p++) {
-            hs_volume volume;
-            make(&volume, widths[w], 1 + next_random() % 12, 1 + next_random() % 12);
+            hs_volume volume = make(widths[w], 1 + next_random() % 12, 1 + next_random() % 12);
             const size_t count = hs_volume_count(&volume);
             for (size_t i = 0; i < count; i++) volume.voxels[i] = next_random() % 100 < percents[p] ? 0 : 9;
             uint8_t *expected = unit_memory(count);
@@ -100,7 +103,6 @@ static void unscanned_equals_a_plain_flood(void **state) {
             mark(&volume);
             assert_memory_equal(volume.voxels, expected, count);
             inner += count_value(&volume, 1);
-            hs_volume_free(&volume);
         }
     }
     assert_true(inner > 1000); /* the comparison met inner zeros, not border zeros alone */
@@ -111,7 +113,7 @@ static void unscanned_equals_a_plain_flood(void **state) {
 enum { TUNNEL_X = 130, TUNNEL_ROWS = 48 };
 
 static size_t carve_tunnel(hs_volume *volume) {
-    make(volume, TUNNEL_X, 2 * TUNNEL_ROWS + 1, 3);
+    *volume = make(TUNNEL_X, 2 * TUNNEL_ROWS + 1, 3);
     memset(volume->voxels, 200, hs_volume_count(volume));
     uint8_t *slice = volume->voxels + (size_t)volume->nx * volume->ny; /* the middle one */
     size_t length = 0;
@@ -131,20 +133,16 @@ static void a_winding_tunnel_is_followed_to_its_end(void **state) {
     mark(&volume);
     assert_int_equal(count_value(&volume, 0), length); /* all of it */
     assert_int_equal(count_value(&volume, 1), 0);
-    hs_volume_free(&volume);
-
     carve_tunnel(&volume);
     volume.voxels[(size_t)volume.nx * volume.ny + TUNNEL_X + 10] =
         200; /* plugged at x = 10 of the first row */
     mark(&volume);
     assert_int_equal(count_value(&volume, 0), 10); /* x = 0 .. 9 */
     assert_int_equal(count_value(&volume, 1), length - 11);
-    hs_volume_free(&volume);
 }
 
 static void diagonal_neighbours_do_not_connect(void **state) {
-    hs_volume volume;
-    make(&volume, 4, 4, 4);
+    hs_volume volume = make(4, 4, 4);
     memset(volume.voxels, 50, 64);
     volume.voxels[0] = 0;                  /* (0, 0, 0): the corner */
     volume.voxels[1 * 16 + 1 * 4 + 1] = 0; /* (1, 1, 1): touches it by a corner only */
@@ -155,15 +153,13 @@ static void diagonal_neighbours_do_not_connect(void **state) {
     assert_int_equal(volume.voxels[1 * 16 + 1 * 4 + 1], 0);
     assert_int_equal(volume.voxels[2 * 16 + 2 * 4 + 2], 1);
     assert_int_equal(count_value(&volume, 50), 60);
-    hs_volume_free(&volume);
 }
 
 static void extremes_keep_their_meaning(void **state) {
     static const uint32_t sizes[][3] = {{1, 1, 1},  {70, 1, 1},  {1, 70, 1},
                                         {1, 1, 70}, {70, 70, 1}, {9, 9, 9}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        hs_volume volume;
-        make(&volume, sizes[i][0], sizes[i][1], sizes[i][2]);
+        hs_volume volume = make(sizes[i][0], sizes[i][1], sizes[i][2]);
         const size_t count = hs_volume_count(&volume);
         mark(&volume); /* all zero: all of it touches the border */
         assert_int_equal(count_value(&volume, 0), count);
@@ -171,7 +167,6 @@ static void extremes_keep_their_meaning(void **state) {
         assert_int_equal(count_value(&volume, 1), count);
         mark(&volume); /* no zero: nothing changes */
         assert_int_equal(count_value(&volume, 1), count);
-        hs_volume_free(&volume);
     }
 }
 
@@ -182,8 +177,7 @@ static void *mark_on_small_stack(void *volume) {
 
 /* 6.9 million connected zeros with 128 KB of stack: a recursive fill would need a frame for each. */
 static void the_fill_does_not_recurse(void **state) {
-    hs_volume volume;
-    make(&volume, 190, 190, 190);
+    hs_volume volume = make(190, 190, 190);
     pthread_attr_t attributes;
     pthread_t thread;
     void *done = NULL;
@@ -194,7 +188,6 @@ static void the_fill_does_not_recurse(void **state) {
     (void)pthread_attr_destroy(&attributes);
     assert_ptr_equal(done, &volume);
     assert_int_equal(count_value(&volume, 0), 190 * 190 * 190);
-    hs_volume_free(&volume);
 }
 
 /* ----------------------------------------------------------------------------------------- filling -- */
@@ -232,9 +225,8 @@ static void expect_pattern(const hs_volume *volume, const hs_volume *expected) {
 
 /* Every voxel once, with one thread in order; marking on the way is what marking afterwards is. */
 static void a_volume_is_filled_in_pieces(void **state) {
-    hs_volume plain, marked;
     hs_error err = {0};
-    make(&plain, FILL_X, FILL_Y, FILL_Z);
+    hs_volume plain = make(FILL_X, FILL_Y, FILL_Z);
     pattern in_order = {.fail_from = SIZE_MAX, .in_order = true}, at_once = {.fail_from = SIZE_MAX};
     assert_true(hs_volume_fill(&plain, 1, fill_pattern, &in_order, &err));
     assert_true(in_order.calls > 2);
@@ -245,17 +237,14 @@ static void a_volume_is_filled_in_pieces(void **state) {
     expect_pattern(&plain, NULL);
     mark(&plain);
     for (uint32_t threads = 1; threads <= 8; threads *= 8) {
-        make(&marked, FILL_X, FILL_Y, FILL_Z);
+        hs_volume marked = make(FILL_X, FILL_Y, FILL_Z);
         assert_true(hs_volume_fill_marked(&marked, threads, fill_pattern, &at_once, &err));
         expect_pattern(&marked, &plain);
-        hs_volume_free(&marked);
     }
-    hs_volume_free(&plain);
 }
 
 static void the_first_failure_is_told(void **state) {
-    hs_volume volume;
-    make(&volume, FILL_X, FILL_Y, FILL_Z);
+    hs_volume volume = make(FILL_X, FILL_Y, FILL_Z);
     for (uint32_t threads = 1; threads <= 8; threads++)
         for (int marked = 0; marked < 2; marked++) {
             pattern p = {.fail_from = FILL / 2}; /* in the second piece, and in all behind it */
@@ -265,7 +254,6 @@ static void the_first_failure_is_told(void **state) {
             assert_int_equal(err.code, HS_ERR_INPUT);
             assert_string_equal(err.text, "piece at 65400"); /* 218 rows of 300 */
         }
-    hs_volume_free(&volume);
 }
 
 UNIT_MAIN(NULL, NULL, cmocka_unit_test(sizes_outside_the_limits_are_refused),

@@ -96,7 +96,6 @@ static void a_failed_plugin_cuts_nothing_away(void **state) {
     result_file mask;
     result_open(&mask, result_path("mask.mha"));
     for (size_t i = 0; i < mask.voxels; i++) assert_int_equal(mask.data[i], 1);
-    result_close(&mask);
     (void)unlink(result_path("mask.mha"));
 }
 

@@ -97,7 +97,6 @@ static void expect_the_surface(const result_file *map, const char *path) {
         }
         assert_true(towards < -1e-3); /* a triangle, and its front faces the camera */
     }
-    result_mesh_close(&mesh);
 }
 
 static void five_cameras_make_the_round_trip(void **state) {
@@ -139,12 +138,7 @@ static void five_cameras_make_the_round_trip(void **state) {
         assert_memory_equal(status.direction, map.direction, sizeof map.direction);
         expect_the_cut(&source, &clipped, &mask, &map);
         expect_the_surface(&map, result_path("surface.ply"));
-        result_close(&clipped);
-        result_close(&mask);
-        result_close(&map);
-        result_close(&status);
     }
-    result_close(&source);
 }
 
 /* The anterior view's map looks from the front to the back, and its rows run down to the feet. */
@@ -160,7 +154,6 @@ static void the_maps_lie_as_the_camera_looks(void **state) {
     static const double expected[9] = {1, 0, 0, 0, 0, 1, 0, -1, 0};
     for (int i = 0; i < 9; i++) assert_true(fabs(map.direction[i] - expected[i]) < 1e-12);
     assert_non_null(strstr(map.text, "\nAnatomicalOrientation = RSA\n"));
-    result_close(&map);
 }
 
 /* A flat map at this depth lies that many slices deep everywhere; from the probe at slice 0, voxels are kept
@@ -189,8 +182,6 @@ static void depth_is_in_millimetres(const result_fixture *f, double flat) {
     result_world(&map, box, box_world);
     result_world(&mask, middle, middle_world);
     for (int k = 0; k < 3; k++) assert_true(fabs(box_world[k] - middle_world[k]) < 1e-9);
-    result_close(&mask);
-    result_close(&map);
 }
 
 static void depths_are_millimetres(void **state) {
@@ -236,13 +227,9 @@ static void sequences_give_sequences(void **state) {
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
         if (!strstr(clipped.text, lines[i])) fail_msg("no line '%s'", lines[i]);
     expect_two_volumes(&clipped, &mask);
-    result_close(&clipped);
-    result_close(&mask);
-    result_close(&map);
     result_mesh mesh;
     result_mesh_open(&mesh, result_path("surface_0001.ply"));
     assert_true(mesh.faces > 50);
-    result_mesh_close(&mesh);
 }
 
 /* A sequence that this project wrote is read back by it. */
