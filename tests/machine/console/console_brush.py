@@ -214,6 +214,22 @@ def with_two_results(b):
     holds(b.run("return state.camera.yaw") != yaw, "a drag does not turn without the brush")
 
 
+def the_lamp(b, work):
+    width(b, 1280)
+    before, lamp, camera, marks = pixels(b, "result"), *b.run("return [state.render.light, state.camera, state.marks]")
+    b.click("#lamp")
+    b.drag(RESULT, (0, 0), (50, 25))
+    settle(b, "the lamp, dragged")
+    now = b.run("return [state.render.light, state.camera, state.marks]")
+    holds(abs(now[0][0] - lamp[0] - 20) < 1e-6 and abs(now[0][1] - lamp[1] + 10) < 1e-6, f"the lamp moved from {lamp} to {now[0]}")
+    holds(now[1:] == [camera, marks] and pixels(b, "result") != before, "the lamp turns, marks, or lights nothing")
+    as_run_draws_it(b, HOST_SIM, work, "another light")
+    shoot(b, "lamp", 1280)
+    b.click("#undo")
+    settle(b, "undo of the lamp")
+    holds(pixels(b, "result") == before, "undo gives another light")
+
+
 def main():
     with a_page(BUILD, "#scene=M03,96,1", []) as (b, console, work):
         settle(b, "the first frame")
@@ -224,6 +240,7 @@ def main():
         an_address_has_marks(b, console)
         by_touch(b)
         with_two_results(b)
+        the_lamp(b, work)
     print("ok")
 
 

@@ -10,7 +10,7 @@ const brush = { on: "", queue: [], asked: null, stroke: null };
 
 /* Which result is under the pointer. Something is removed from a result only; the full volume shows what to keep, too. */
 function brushedView(view, right) {
-  if (!brush.on || (view === "full" ? brush.on !== "keep" : view !== "result" && view !== "other")) return "";
+  if (!brush.on || brush.on === "lamp" || (view === "full" ? brush.on !== "keep" : view !== "result" && view !== "other")) return "";
   return view === "result" && look.compare === "wipe" && 100 * right > look.wipe ? "other" : view;
 }
 
@@ -67,11 +67,12 @@ function paintWith(view, screen, event, fingers) {
 }
 
 function drawMarks() {
-  const marks = brush.on && lastFigures ? lastFigures.marks : [];
+  const paints = brush.on && brush.on !== "lamp", marks = paints && lastFigures ? lastFigures.marks : [];
   for (const view of ["result", "full", "other"])
     viewOf(view).marks.replaceChildren(...marks.map(([cx, cy, r, keep]) => svg("circle", { cx, cy, r, class: keep ? "keep" : "remove" })));
-  const how = { remove: "Remove: click or paint on the result what hides the fetus.", keep: "Keep: click where something was cut, or on the full volume." };
-  at("brushed").textContent = brush.on ? how[brush.on] + " " + state.marks.length + " of " + MARKS_MAX + " marks." : "";
+  const how = { remove: "Remove: click or paint on the result what hides the fetus.", keep: "Keep: click where something was cut, or on the full volume.",
+    lamp: "Lamp: a drag on a picture moves the light." };
+  at("brushed").textContent = (how[brush.on] || "") + (paints ? " " + state.marks.length + " of " + MARKS_MAX + " marks." : "");
   at("clear-marks").disabled = !state.marks.length;
 }
 
@@ -80,7 +81,7 @@ function chooseBrush(on) {
   brush.queue = [];
   if (brush.on) document.body.dataset.brush = brush.on;
   else delete document.body.dataset.brush;
-  for (const id of ["remove", "keep"]) at(id).setAttribute("aria-pressed", String(brush.on === id));
+  for (const id of ["remove", "keep", "lamp"]) at(id).setAttribute("aria-pressed", String(brush.on === id));
   drawMarks();
 }
 

@@ -140,6 +140,7 @@ function buildRenderer() {
   const box = at("render-controls"), r = state.render;
   const looks = make("select", {}, make("option", { value: "lit", text: "lit" }), make("option", { value: "thesis", text: "thesis" }));
   looks.value = r.look;
+  at("lamp").disabled = r.look !== "lit";
   looks.addEventListener("change", () => {
     r.look = looks.value;
     r.exposure = r.look === "thesis" ? 1.5 : 1;
@@ -214,7 +215,7 @@ function onKey(event) {
   if (event.ctrlKey || event.metaKey) return;
   const next = { off: "side", side: "wipe", wipe: "off" };
   const keys = {
-    m: () => measure(!measured.on), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), f: () => play(!state.play.on),
+    m: () => measure(!measured.on), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), l: () => at("lamp").click(), f: () => play(!state.play.on),
     "[": () => nudgePrimary(-1), "]": () => nudgePrimary(1), ",": () => stepBy(-1), ".": () => stepBy(1),
     c: () => compare(next[look.compare]), s: () => at("slices-on").click(),
   };
@@ -234,7 +235,7 @@ function listen() {
   at("third").addEventListener("change", () => { look.third = at("third").value; layOut(); changed(false); });
   at("compare").addEventListener("change", () => compare(at("compare").value));
   at("measure").addEventListener("click", () => measure(!measured.on));
-  for (const id of ["remove", "keep"]) at(id).addEventListener("click", () => chooseBrush(id));
+  for (const id of ["remove", "keep", "lamp"]) at(id).addEventListener("click", () => chooseBrush(id));
   at("radius").addEventListener("input", () => { at("radius-text").textContent = at("radius").value + " mm"; });
   at("clear-marks").addEventListener("click", clearMarks);
   at("undo").addEventListener("click", () => goTo(undo.past, undo.future));

@@ -67,6 +67,13 @@ function roll(clockwise) {
   changed(true);
 }
 
+function moveLamp(right, down) {
+  const [x, y] = state.render.light;
+  state.render.light = [around(x + right), clamp(y - down, -90, 90)];
+  buildRenderer();
+  changed(true);
+}
+
 function zoom(factor) {
   state.camera.zoom = clamp(state.camera.zoom * factor, 0.25, 16);
   changed(true);
@@ -113,7 +120,8 @@ function fingersOn(view, screen) {
     if (paintWith(view, screen, event, fingers.size)) return;
     const now = fingers.size === 2 ? pinchOf(fingers) : finger;
     const right = (now.x - before.x) * DEGREES_A_PIXEL, down = (now.y - before.y) * DEGREES_A_PIXEL;
-    if (event.shiftKey) roll(right);
+    if (brush.on === "lamp" && fingers.size < 2) moveLamp(right, down);
+    else if (event.shiftKey) roll(right);
     else turn(right, down);
     if (fingers.size < 2) return;
     zoom(now.size / before.size);
