@@ -206,7 +206,7 @@ vol_case = --case $(OUT)/scans/$(1)_full.vol,$(OUT)/scans/$(1)_truth.vol,$(OUT)/
 
 scans: setup # verdict, error, cut, left of scenes, SITES and the scans in DATA, with beams told, the pose alone, nothing: ten minutes
 	@$(call build,build,,sv_judge smartvis host_sim)
-	@$(call step,scenes) build/host_sim scenes --all --hard --size 128 --export --format vol --out $(OUT)/scans
+	@$(call step,scenes) for set in all hard; do build/host_sim scenes --$$set --size 128 --export --format vol --out $(OUT)/scans || exit 1; done
 	@build/sv_judge scans --method method=wall --method 'method=wall unsure=clip' $(foreach scene,$(SCENES),--scene $(scene) $(call vol_case,$(scene))) \
 	  $(foreach site,$(SITES),--site $(site))
 	@build/sv_judge scans $(foreach scan,$(filter-out %_label.mha,$(wildcard $(DATA)/real/*.mha $(DATA)/fetal_head_*.mha)),--volume $(scan))

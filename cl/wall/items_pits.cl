@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* By work items: a doubtful surface has no narrow pits. wall_pits.cl says how. */
+/* By work items: the surface has no narrow pits. wall_pits.cl says how. */
 #ifndef SV_WALL_ITEMS_CLH
 #include "wall/items.clh"
 #endif
@@ -9,17 +9,17 @@ typedef struct {
     uint left, right, top, bottom;
 } rectangle_t;
 
-static rectangle_t rectangle_around(const sv_wall_layout *l, uint x, uint y) {
-    return (rectangle_t){x - min(x, l->opening[0]), min(x + l->opening[0], l->columns - 1),
-                         y - min(y, l->opening[1]), min(y + l->opening[1], l->rows - 1)};
+static rectangle_t rectangle_around(const sv_wall_layout *l, uint2 reach, uint x, uint y) {
+    return (rectangle_t){x - min(x, reach.x), min(x + reach.x, l->columns - 1), y - min(y, reach.y),
+                         min(y + reach.y, l->rows - 1)};
 }
 
 /* One work item per ray: the minima of the three planes of medians. */
 __kernel void wall_items_erode(sv_wall_layout l, __global const uint *restrict info,
                                __global const ushort *restrict rays, __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= l.columns || !fills_pits(info)) return;
-    const rectangle_t r = rectangle_around(&l, x, y);
+    if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    const rectangle_t r = rectangle_around(&l, opening_of(&l, info), x, y);
     for (uint plane = 0; plane < PLACE_MEDIANS; plane++) {
         float least = (float)l.layers;
         for (uint v = r.top; v <= r.bottom; v++)
@@ -37,8 +37,8 @@ __kernel void wall_items_erode(sv_wall_layout l, __global const uint *restrict i
 __kernel void wall_items_open(sv_wall_layout l, __global const uint *restrict info,
                               __global float *restrict places) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-    if (x >= l.columns || !fills_pits(info)) return;
-    const rectangle_t r = rectangle_around(&l, x, y);
+    if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    const rectangle_t r = rectangle_around(&l, opening_of(&l, info), x, y);
     for (uint plane = 0; plane < PLACE_MEDIANS; plane++) {
         float largest = 0.0f;
         for (uint v = r.top; v <= r.bottom; v++)

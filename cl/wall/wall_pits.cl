@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A doubtful surface has no pits that are narrower than l.opening to either side (docs/surface.md, step 10):
+ * The surface has no pits that are narrower than opening_of(..) to either side (docs/surface.md, step 10):
  * its grey opening, a minimum over rectangles of rays and then a maximum. Beyond the border there is nothing.
  */
 #ifndef SV_WALL_LANES_CLH
@@ -24,9 +24,9 @@ static float16 scanned_places(const sv_wall_layout *l, __global const ushort *ra
 
 /* Finds the extremes of a plane down the rows near `row`, for every column. The line goes on with `beyond` to
  * either side. */
-static void extremes_down(const sv_wall_layout *l, __global const ushort *rays, __global const float *plane,
-                          uint row, bool least, __global float *line) {
-    const uint from = row - min(row, l->opening[1]), to = min(row + l->opening[1], l->rows - 1);
+static void extremes_down(const sv_wall_layout *l, uint2 reach, __global const ushort *rays,
+                          __global const float *plane, uint row, bool least, __global float *line) {
+    const uint from = row - min(row, reach.y), to = min(row + reach.y, l->rows - 1);
     const float beyond = least ? (float)l->layers : 0.0f;
     for (uint x = 0; x < l->columns; x += SV_LANES) {
         float16 found = (float16)(beyond);
@@ -34,14 +34,14 @@ static void extremes_down(const sv_wall_layout *l, __global const ushort *rays, 
             found = extreme(found, scanned_places(l, rays, plane, y, x, beyond), least);
         *(__global float16 *)(line + x) = found;
     }
-    for (uint k = 1; k <= l->opening[0]; k++) line[-(int)k] = beyond;
-    for (uint x = l->columns; x < padded_columns_of(l) + l->opening[0]; x++) line[x] = beyond;
+    for (uint k = 1; k <= reach.x; k++) line[-(int)k] = beyond;
+    for (uint x = l->columns; x < padded_columns_of(l) + reach.x; x++) line[x] = beyond;
 }
 
 /* Finds the extremes of 16 values of a line and of those near them. */
-static float16 extremes_across(const sv_wall_layout *l, __global const float *line, bool least) {
+static float16 extremes_across(uint2 reach, __global const float *line, bool least) {
     float16 found = *(__global const float16 *)line;
-    for (int k = 1; k <= (int)l->opening[0]; k++)
+    for (int k = 1; k <= (int)reach.x; k++)
         found = extreme(found, extreme(vload16(0, line - k), vload16(0, line + k), least), least);
     return found;
 }
@@ -57,12 +57,13 @@ __kernel void wall_erode(sv_wall_layout l, uint scratch_words, __global const ui
                          __global float *restrict places) {
     const uint row = (uint)get_global_id(0);
     __global float *line = line_of_row(scratch, row, scratch_words);
-    if (!fills_pits(info)) return;
+    const uint2 reach = opening_of(&l, info);
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint i = 0; i < PLACE_MEDIANS; i++) {
         __global float *eroded = places + place_row(&l, eroded_plane(i), row);
-        extremes_down(&l, rays, places + place_row(&l, PLACE_MEDIAN + i, 0), row, true, line);
+        extremes_down(&l, reach, rays, places + place_row(&l, PLACE_MEDIAN + i, 0), row, true, line);
         for (uint x = 0; x < l.columns; x += SV_LANES)
-            *(__global float16 *)(eroded + x) = extremes_across(&l, line + x, true);
+            *(__global float16 *)(eroded + x) = extremes_across(reach, line + x, true);
     }
 }
 
@@ -72,12 +73,13 @@ __kernel void wall_open(sv_wall_layout l, uint scratch_words, __global const uin
                         __global uint *restrict scratch, __global float *restrict places) {
     const uint row = (uint)get_global_id(0);
     __global float *line = line_of_row(scratch, row, scratch_words);
-    if (!fills_pits(info)) return;
+    const uint2 reach = opening_of(&l, info);
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     for (uint i = 0; i < PLACE_MEDIANS; i++) {
         __global float *place = places + place_row(&l, PLACE_MEDIAN + i, row);
-        extremes_down(&l, NULL, places + place_row(&l, eroded_plane(i), 0), row, false, line);
+        extremes_down(&l, reach, NULL, places + place_row(&l, eroded_plane(i), 0), row, false, line);
         for (uint x = 0; x < l.columns; x += SV_LANES)
             *(__global float16 *)(place + x) =
-                fmin(*(__global const float16 *)(place + x), extremes_across(&l, line + x, false));
+                fmin(*(__global const float16 *)(place + x), extremes_across(reach, line + x, false));
     }
 }

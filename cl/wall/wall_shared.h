@@ -79,6 +79,8 @@
 #define SV_WALL_INFO_GAINS     268 /* what levels are multiplied by, for each brightness around them */
 #define SV_WALL_INFO_WORDS     (268 + SV_WALL_GAINS)
 
+#define SV_WALL_SURE_OPENING 4
+
 /* Without a surface depth and confidence are 0, and nothing is clipped. */
 typedef enum {
     SV_WALL_SURFACE = 0,  /* the maps hold a surface */
@@ -129,7 +131,8 @@ typedef struct {
     unsigned int full_distance;    /* layers: from this distance to the fluid on the cost is full */
     unsigned int rate;             /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
     unsigned int median_step[2];   /* rays between the samples of the median */
-    unsigned int opening[2];       /* rays to either side that a doubtful surface is opened over */
+    unsigned int opening[2];       /* rays to either side that a doubtful surface is opened over, a */
+                                   /* sure one over 1 / SV_WALL_SURE_OPENING of that */
     unsigned int reach_x, reach_y; /* cells to either side that the Gaussian reaches */
     unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. cells */
     unsigned int cut_cost, occluder_cost;     /* in units of 1 / SV_WALL_COST_ONE */

@@ -63,11 +63,10 @@ typedef enum {
  * the record, or place and buffer of the depthmap, behind. */
 enum { SV_WALL_BOUNDS = 1, SV_WALL_SCRATCH_WORDS = 2, SV_WALL_RECORD = 4, SV_WALL_DEPTH = 8 };
 
-/* Kernels that are not launched for every volume, or for every setting. */
+/* Kernels that are not launched for every volume. */
 typedef enum {
     SV_WALL_ALWAYS,
     SV_WALL_IF_SMOOTHED,
-    SV_WALL_IF_DOUBTFUL_CLIPS,
     SV_WALL_UNLESS_TOLD /* the beams do not say whether there is a surface */
 } sv_wall_when;
 

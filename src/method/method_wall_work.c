@@ -66,7 +66,6 @@ sv_status sv_wall_launch_all(const sv_map *m, sv_method_state *s, const sv_wall_
     for (uint32_t i = first; status == SV_OK && i < end; i++) {
         const sv_wall_launch *w = &work->launches[i];
         if (w->when == SV_WALL_IF_SMOOTHED && !smoothed) continue;
-        if (w->when == SV_WALL_IF_DOUBTFUL_CLIPS && !layout->clip_doubtful) continue;
         if (w->when == SV_WALL_UNLESS_TOLD && layout->told) continue;
         sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[w->kernel], work->kernels[w->kernel]);
         sv_launch_arg(&l, sizeof *layout, layout);

@@ -227,23 +227,25 @@ static void extreme_along(const float *from, float *to, size_t groups, size_t co
 }
 
 /* Over a rectangle of rays, in place. `rows` has room for a map. */
-static void extreme(const sv_wall_layout *l, float *map, float *rows, bool least) {
-    extreme_along(map, rows, l->rows, l->columns, 1, l->opening[0], least);
-    extreme_along(rows, map, 1, l->rows, l->columns, l->opening[1], least);
+static void extreme(const sv_wall_layout *l, const uint32_t reach[2], float *map, float *rows, bool least) {
+    extreme_along(map, rows, l->rows, l->columns, 1, reach[0], least);
+    extreme_along(rows, map, 1, l->rows, l->columns, reach[1], least);
 }
 
-/* Fills the pits of a doubtful surface that are narrower than `opening` to either side: its grey opening. In
- * a pit it has most likely left the fluid for the fetus. Rays that were not scanned do not count. `maps`
- * has room for two maps. */
-static void fill_pits(const sv_wall_scan *s, float *filtered, float *maps) {
+/* Fills the pits of the surface that are narrower than `opening` to either side, or than a part of it if the
+ * surface is sure: its grey opening. In a pit it has most likely left the fluid for the fetus. Rays that were
+ * not scanned do not count. `maps` has room for two maps. */
+static void fill_pits(const sv_wall_scan *s, bool doubtful, float *filtered, float *maps) {
     const sv_wall_layout *l = s->layout;
+    const uint32_t part = doubtful ? 1 : SV_WALL_SURE_OPENING;
+    const uint32_t reach[2] = {(l->opening[0] + part / 2) / part, (l->opening[1] + part / 2) / part};
     const size_t count = (size_t)l->columns * l->rows;
     for (size_t plane = 0; plane < FILTERED; plane++) {
         float *const place = filtered + plane * count;
         for (size_t ray = 0; ray < count; ray++)
             maps[ray] = s->blocks->first[ray] < s->blocks->end[ray] ? place[ray] : (float)l->layers;
-        extreme(l, maps, maps + count, true);
-        extreme(l, maps, maps + count, false);
+        extreme(l, reach, maps, maps + count, true);
+        extreme(l, reach, maps, maps + count, false);
         for (size_t ray = 0; ray < count; ray++) place[ray] = fminf(place[ray], maps[ray]);
     }
 }
@@ -325,7 +327,7 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
         *outcome = told ? *told : sv_wall_verdict(l, gaps);
         /* a person who asks for it gets a surface all the same */
         if (*outcome == SV_WALL_NO_FLUID && l->clip_doubtful) *outcome = SV_WALL_DOUBTFUL;
-        if (*outcome == SV_WALL_DOUBTFUL) fill_pits(scan, filtered, layers);
+        fill_pits(scan, *outcome == SV_WALL_DOUBTFUL, filtered, layers);
         apply_knob(scan, filtered);
         interpolate(l, filtered + PLACE * count, (float)l->depth, depth);
     }
