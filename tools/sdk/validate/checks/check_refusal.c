@@ -201,36 +201,35 @@ static void too_short(v_rig *r, uint32_t size) {
     still_good(r, "structs that were too short");
 }
 
-/* `name.it` with bytes behind it that this plugin does not know. */
-#define LATER(type, name, first)                                                                             \
-    struct {                                                                                                 \
-        type it;                                                                                             \
-        uint8_t more[64];                                                                                    \
-    } name;                                                                                                  \
-    memset(&name, 0xff, sizeof name);                                                                        \
-    name.it = (first);                                                                                       \
-    name.it.size = sizeof name
+/* The struct as a host of a later minor has it: with bytes behind it that this plugin does not know. */
+static void *later(v_run *run, const void *first, size_t bytes) {
+    enum { MORE = 64 };
+    const uint32_t size = (uint32_t)bytes + MORE;
+    uint8_t *all = v_memory(run, size);
+    memset(all, 0xff, size);
+    memcpy(all, first, bytes);
+    memcpy(all, &size, sizeof size); /* every struct begins with it */
+    return all;
+}
 
-/* A host of a later minor: its structs are longer. */
 static void longer(v_rig *r) {
     const sv_plugin *p = r->s.plugin;
     v_run *run = r->s.run;
-    LATER(sv_format, format, r->stage.format);
-    LATER(sv_frame, frame, stage_frame(&r->stage, NULL, 0));
-    LATER(sv_result, result, stage_result(&r->stage));
+    const sv_frame frame = stage_frame(&r->stage, NULL, 0);
+    const sv_result result = stage_result(&r->stage);
     v_deactivate(&r->s, p);
     v_where(run, "structs of a later minor");
-    sv_status status = p->activate(p, &format.it);
+    sv_status status = p->activate(p, later(run, &r->stage.format, sizeof r->stage.format));
     V_EXPECT(run, status >= 0, "activate refuses a longer sv_format: %s", v_status(status));
-    status = p->begin(p, &frame.it);
+    status = p->begin(p, later(run, &frame, sizeof frame));
     V_EXPECT(run, status >= 0, "begin refuses a longer sv_frame: %s", v_status(status));
     for (uint32_t n = 0; n < r->stage.slab_count && status >= 0; n++) {
-        LATER(sv_slab, slab, stage_slab(&r->stage, n));
-        status = p->slab(p, &slab.it);
+        const sv_slab slab = stage_slab(&r->stage, n);
+        status = p->slab(p, later(run, &slab, sizeof slab));
         V_EXPECT(run, status >= 0, "slab refuses a longer sv_slab: %s", v_status(status));
     }
     stage_poison(&r->stage, STAGE_POISON);
-    status = p->end(p, &result.it);
+    status = p->end(p, later(run, &result, sizeof result));
     V_EXPECT(run, status >= 0, "end refuses a longer sv_result: %s", v_status(status));
     const v_map map = v_collect(&r->stage, status);
     v_map_expect(run, &r->good, &map, "longer structs give another map");
