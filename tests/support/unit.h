@@ -30,6 +30,13 @@ void unit_return(const void *mark);
 int unit_begin(void **state);
 int unit_end(void **state);
 
+/* Fails unless the error has this code, and words of its text are these. */
+#define unit_told(err, expected, words)                                                                      \
+    do {                                                                                                     \
+        assert_int_equal((err).code, expected);                                                              \
+        if (!strstr((err).text, words)) fail_msg("'%s' does not say '%s'", (err).text, words);               \
+    } while (0)
+
 /* The program: these tests, between the group's set-up and tear-down (NULL: none). Its file's name is that of
  * the group. */
 #define UNIT_MAIN(set_up, tear_down, ...)                                                                    \

@@ -178,8 +178,7 @@ static void other_pictures_are_refused(void **state) {
     const hs_loop_options options = options_with(NULL, 0);
     r.loop = make_loop(f, &options);
     assert_false(hs_eval_table_build(&table, r.loop, &f->layers, &r.truth, r.label, &err));
-    assert_int_equal(err.code, HS_ERR_USAGE);
-    assert_non_null(strstr(err.text, "64 x 64"));
+    unit_told(err, HS_ERR_USAGE, "64 x 64");
     assert_null(table.error);
     close_rig(&r);
 }

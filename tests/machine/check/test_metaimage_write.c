@@ -123,9 +123,8 @@ static void refused_at(const char *path, const char *named, const hs_metaimage_f
     hs_error err = {0};
     const int before = files_count();
     assert_false(hs_metaimage_write(path, format, data, &err));
-    assert_int_equal(err.code, HS_ERR_OUTPUT);
-    if (!strstr(err.text, named) || !strstr(err.text, told))
-        fail_msg("'%s' does not tell '%s'", err.text, told);
+    unit_told(err, HS_ERR_OUTPUT, named);
+    unit_told(err, HS_ERR_OUTPUT, told);
     assert_int_equal(files_count(), before); /* nothing is left behind */
 }
 

@@ -172,8 +172,7 @@ static void a_saved_png_reads_back(void **state) {
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &(struct rlimit){small.rlim_cur, limit.rlim_max}), 0);
     assert_false(hs_picture_save(&p, path, &err));
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    assert_int_equal(err.code, HS_ERR_OUTPUT);
-    assert_non_null(strstr(err.text, path));
+    unit_told(err, HS_ERR_OUTPUT, path);
     memset(&image, 0, sizeof image);
     image.version = PNG_IMAGE_VERSION;
     assert_true(png_image_begin_read_from_file(&image, path));
@@ -187,8 +186,7 @@ static void a_place_that_cannot_be_written_is_named(void **state) {
     char path[128];
     (void)snprintf(path, sizeof path, "%s/absent/a.png", folder);
     assert_false(hs_picture_save(&p, path, &err));
-    assert_int_equal(err.code, HS_ERR_OUTPUT);
-    assert_non_null(strstr(err.text, path));
+    unit_told(err, HS_ERR_OUTPUT, path);
     assert_non_null(strstr(err.text, "No such file or directory"));
     err = (hs_error){0};
     assert_false(hs_picture_save(&p, "/dev/full", &err)); /* a device is not replaced by a file */
@@ -268,8 +266,7 @@ static void three_panels_make_1600_pixels(void **state) {
 
     items[1].image.width = 32;
     assert_false(hs_picture_panel(&p, items, 3, 0, &caption, &err));
-    assert_int_equal(err.code, HS_ERR_INPUT);
-    assert_non_null(strstr(err.text, "picture 1 is 32 x 64, expected 64 x 64"));
+    unit_told(err, HS_ERR_INPUT, "picture 1 is 32 x 64, expected 64 x 64");
     assert_null(p.pixels);
     err = (hs_error){0};
     assert_false(hs_picture_panel(&p, items, 9, 0, &caption, &err));

@@ -43,8 +43,7 @@ static void sizes_outside_the_limits_are_refused(void **state) {
         hs_error err = {0};
         hs_volume volume;
         assert_false(hs_volume_init(&volume, bad[i][0], bad[i][1], bad[i][2], &err));
-        assert_int_equal(err.code, HS_ERR_INPUT);
-        assert_non_null(strstr(err.text, told[i]));
+        unit_told(err, HS_ERR_INPUT, told[i]);
         assert_null(volume.voxels);
     }
 }

@@ -168,8 +168,7 @@ static void expect_failure(const hs_source *source, uint32_t index, const char *
     for (int turn = 0; turn < 3; turn++) {
         hs_error err = {0};
         assert_null(hs_source_bring(source, index, &err));
-        assert_int_equal(err.code, HS_ERR_INPUT);
-        if (!strstr(err.text, told)) fail_msg("'%s' does not tell '%s'", err.text, told);
+        unit_told(err, HS_ERR_INPUT, told);
         expect_volume(source, 1);
     }
 }
@@ -194,8 +193,7 @@ static void expect_refusal(const list *files, const char *told) {
     hs_source source;
     hs_error err = {0};
     assert_false(hs_source_open_files(&source, files->path, files->count, NULL, &err));
-    assert_int_equal(err.code, HS_ERR_INPUT);
-    if (!strstr(err.text, told)) fail_msg("'%s' does not tell '%s'", err.text, told);
+    unit_told(err, HS_ERR_INPUT, told);
     assert_null(source.sequence);
     assert_null(source.stream);
 }

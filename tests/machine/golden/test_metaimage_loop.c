@@ -194,8 +194,7 @@ static void expect_failure(const hs_source *source, const kind *k, uint32_t inde
     for (int turn = 0; turn < 3; turn++) {
         hs_error err = {0};
         assert_null(hs_source_bring(source, index, &err));
-        assert_int_equal(err.code, HS_ERR_INPUT);
-        assert_non_null(strstr(err.text, k->name));
+        unit_told(err, HS_ERR_INPUT, k->name);
         if (!strstr(err.text, told)) fail_msg("'%s' does not tell '%s'", err.text, told);
         expect_volume(source, k, 1);
     }
