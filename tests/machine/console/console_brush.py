@@ -218,7 +218,7 @@ def the_lamp(b, work):
     width(b, 1280)
     before, lamp, camera, marks = pixels(b, "result"), *b.run("return [state.render.light, state.camera, state.marks]")
     b.click("#lamp")
-    b.drag(RESULT, (0, 0), (50, 25))
+    b.drag(RESULT, (0, 0), (50, 25), pause=300)  # it rests on its way, and is one step all the same
     settle(b, "the lamp, dragged")
     now = b.run("return [state.render.light, state.camera, state.marks]")
     holds(abs(now[0][0] - lamp[0] - 20) < 1e-6 and abs(now[0][1] - lamp[1] + 10) < 1e-6, f"the lamp moved from {lamp} to {now[0]}")

@@ -102,14 +102,14 @@ class Browser:
     def click(self, css):
         self.call("POST", f"/element/{self.element(css)}/click", {})
 
-    def drag(self, css, start, end, steps=6):
+    def drag(self, css, start, end, steps=6, pause=30):
         """The left button from one place to another, in pixels from the element's middle."""
         origin = {ELEMENT: self.element(css)}
         moves = [{"type": "pointerMove", "origin": origin, "x": round(start[0]), "y": round(start[1]), "duration": 0},
                  {"type": "pointerDown", "button": 0}]
         for i in range(1, steps + 1):
             x, y = (round(start[k] + (end[k] - start[k]) * i / steps) for k in (0, 1))
-            moves.append({"type": "pointerMove", "origin": origin, "x": x, "y": y, "duration": 30})
+            moves.append({"type": "pointerMove", "origin": origin, "x": x, "y": y, "duration": pause})
         moves.append({"type": "pointerUp", "button": 0})
         self.call("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"},
                                                     "actions": moves}]})

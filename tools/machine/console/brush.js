@@ -94,7 +94,7 @@ function clearMarks() {
 /* --------------------------------------------------------------------------------------- undo and redo -- */
 
 const UNDO_MOST = 200;
-const undo = { past: [], future: [], now: "" };
+const undo = { past: [], future: [], now: "", held: false };
 
 /* All but what plays. */
 function settings() {
@@ -102,8 +102,9 @@ function settings() {
   return JSON.stringify({ state: { source, camera, cross, render, lanes, marks }, look });
 }
 
-/* Called when no hand is on a control: a drag is one step. */
+/* A drag is one step, however long it rests on its way: nothing is noted until the hand lets go. */
 function noteSettings() {
+  if (undo.held || state.hurried) return;
   const now = settings();
   if (now !== undo.now) {
     if (undo.now) undo.past.push(undo.now);
@@ -112,6 +113,11 @@ function noteSettings() {
     undo.now = now;
   }
   showUndo();
+}
+
+function noteHand(held) {
+  undo.held = held;
+  noteSettings();
 }
 
 function showUndo() {

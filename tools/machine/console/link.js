@@ -29,7 +29,7 @@ function changed(hurried) {
     state.views = wantedViews();
     send(state);
     writeAddress();
-    if (!state.hurried) noteSettings();
+    noteSettings();
   });
 }
 

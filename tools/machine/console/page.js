@@ -235,6 +235,8 @@ function listen() {
   at("third").addEventListener("change", () => { look.third = at("third").value; layOut(); changed(false); });
   at("compare").addEventListener("change", () => compare(at("compare").value));
   at("measure").addEventListener("click", () => measure(!measured.on));
+  document.addEventListener("pointerdown", () => noteHand(true), true);
+  for (const end of ["pointerup", "pointercancel"]) document.addEventListener(end, () => noteHand(false));
   for (const id of ["remove", "keep", "lamp"]) at(id).addEventListener("click", () => chooseBrush(id));
   at("radius").addEventListener("input", () => { at("radius-text").textContent = at("radius").value + " mm"; });
   at("clear-marks").addEventListener("click", clearMarks);
