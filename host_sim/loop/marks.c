@@ -120,23 +120,24 @@ static void apply_to(const scene *s, uint32_t x, uint32_t y, bool keep, float *d
     *depth = start_of(next);
 }
 
-static double middle_of(const hs_volume *v, int axis) {
+static double middle_of(const hs_volume *v, size_t axis) {
     const uint32_t size[3] = {v->nx, v->ny, v->nz};
     return 0.5 * (size[axis] - 1.0) * v->spacing[axis];
 }
 
 void hs_marks_seen(const hs_volume *volume, const hs_camera *camera, const double place[3], double seen[3]) {
     double from_middle[3];
-    for (int a = 0; a < 3; a++) from_middle[a] = place[a] - middle_of(volume, a);
-    for (int a = 0; a < 3; a++)
+    for (size_t a = 0; a < 3; a++) from_middle[a] = place[a] - middle_of(volume, a);
+    for (size_t a = 0; a < 3; a++)
         seen[a] = camera->rotation[a] * from_middle[0] + camera->rotation[3 + a] * from_middle[1] +
                   camera->rotation[6 + a] * from_middle[2];
 }
 
 void hs_marks_place(const hs_volume *volume, const hs_camera *camera, const double seen[3], double place[3]) {
-    for (int a = 0; a < 3; a++)
-        place[a] = camera->rotation[3 * a] * seen[0] + camera->rotation[3 * a + 1] * seen[1] +
-                   camera->rotation[3 * a + 2] * seen[2] + middle_of(volume, a);
+    for (size_t a = 0; a < 3; a++) {
+        const double *row = &camera->rotation[3 * a];
+        place[a] = row[0] * seen[0] + row[1] * seen[1] + row[2] * seen[2] + middle_of(volume, a);
+    }
 }
 
 static scene scene_of(const hs_volume *volume, const hs_camera *camera, const uint32_t n[3]) {
