@@ -177,16 +177,22 @@ static bool add_mark(game *g, mark_score *score, hs_error *err) {
 
 bool site_play_marks(const site_play *p, const float *depth, bool clips, mark_scores *to, hs_error *err) {
     const size_t rays = rays_of(p);
+    float *maps = calloc(3 * rays, sizeof *maps);
+    uint32_t *regions = calloc(2 * rays, sizeof *regions);
+    if (!maps || !regions) {
+        free(maps);
+        free(regions);
+        return hs_fail(err, HS_ERR_MEMORY, "no memory for marks");
+    }
     game g = {.of = p,
-              .depth = calloc(rays, sizeof *g.depth),
-              .trial = calloc(rays, sizeof *g.trial),
-              .off = calloc(rays, sizeof *g.off),
-              .region = calloc(rays, sizeof *g.region),
-              .todo = calloc(rays, sizeof *g.todo)};
-    bool ok = (g.depth && g.trial && g.off && g.region && g.todo) ||
-              hs_fail(err, HS_ERR_MEMORY, "no memory for marks");
-    if (ok) memcpy(g.depth, depth, rays * sizeof *depth);
-    mark_score score = ok ? judge(&g, g.depth) : (mark_score){0};
+              .depth = maps,
+              .trial = maps + rays,
+              .off = maps + 2 * rays,
+              .region = regions,
+              .todo = regions + rays};
+    bool ok = true;
+    memcpy(g.depth, depth, rays * sizeof *depth);
+    mark_score score = judge(&g, g.depth);
     for (uint32_t marks = 0, row = 0; ok && row < MARK_ROWS; marks++) {
         if (marks == mark_rows[row]) {
             to->sum[row].error += score.error;
@@ -196,11 +202,8 @@ bool site_play_marks(const site_play *p, const float *depth, bool clips, mark_sc
         ok = !clips || add_mark(&g, &score, err);
     }
     to->count += ok;
-    free(g.depth);
-    free(g.trial);
-    free(g.off);
-    free(g.region);
-    free(g.todo);
+    free(maps);
+    free(regions);
     return ok;
 }
 

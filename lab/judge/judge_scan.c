@@ -102,9 +102,15 @@ static scan_ray *rays_of(const hs_volume *labels, const hs_camera *camera, const
     const uint32_t steps = (uint32_t)(camera->depth_extent / step_mm);
     uint8_t *const label = calloc(steps, 1);
     scan_ray *const rays = calloc((size_t)n[0] * n[1], sizeof *rays);
-    if (!label || !rays) (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for its rays", labels->name);
-    for (uint32_t i = 0; label && rays && i < n[0] * n[1]; i++) {
-        double place[3] = {(i % n[0] + 0.5) / n[0], (i / n[0] + 0.5) / n[1], 0.0};
+    if (!label || !rays) {
+        free(label);
+        free(rays);
+        (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for its rays", labels->name);
+        return NULL;
+    }
+    for (uint32_t i = 0; i < n[0] * n[1]; i++) {
+        const uint32_t x = i % n[0], y = i / n[0];
+        double place[3] = {(x + 0.5) / n[0], (y + 0.5) / n[1], 0.0};
         for (uint32_t k = 0; k < steps; k++) {
             uint32_t at[3];
             place[2] = (0.5 * slice + k * step_mm) / camera->depth_extent;
@@ -114,9 +120,8 @@ static scan_ray *rays_of(const hs_volume *labels, const hs_camera *camera, const
         }
         rays[i] = ray_of(label, steps);
     }
-    if (!label) free(rays);
     free(label);
-    return label ? rays : NULL;
+    return rays;
 }
 
 /* ------------------------------------------------------------------------------------ turned cameras -- */
