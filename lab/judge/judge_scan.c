@@ -79,11 +79,6 @@ static scan_ray ray_of(const uint8_t *label, uint32_t steps) {
                       step_mm * (stays - 0.5), step_mm * (end - 0.5)};
 }
 
-double site_scan_off(const scan_ray *ray, double depth) {
-    const double at = fmin(fmax(depth, ray->low), ray->high);
-    return fmax(ray->near - at, 0.0) - fmax(at - ray->far, 0.0);
-}
-
 static void judge_ray(const scan_ray *ray, double depth, ray_counts *out) {
     if (ray->high <= 0.0) return;
     const double off = site_scan_off(ray, depth);
