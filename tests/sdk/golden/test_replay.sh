@@ -22,7 +22,7 @@ code() { local wanted=$1; shift; "$@"; [ $? = "$wanted" ] || { cat "$work/said";
 says() { grep -qE -- "$1" "$work/said" || { cat "$work/said"; false; }; }
 
 holds record "$work/turn" "" "$build/smartvis.so" --orbit 60 --frames 20
-for options in "" "--set strategy=rays" "--guard" "--own-queue" "--carrier image"; do
+for options in "" "--set strategy=rays --seconds 600" "--guard" "--own-queue" "--carrier image"; do # rays is slow on a CPU
     # shellcheck disable=SC2086 # options are words
     holds code 0 replay "$work/turn" $options
     holds says '^the same$'
