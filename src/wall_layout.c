@@ -6,6 +6,7 @@
 #include <math.h>
 
 #define GAUSSIAN_REACH 3.0 /* standard deviations */
+#define SURE_OPENING   4u  /* a doubtful surface is opened over so many times what a sure one is */
 
 sv_wall_settings sv_wall_settings_default(void) {
     return (sv_wall_settings){.block_mm = 2.0,
@@ -148,7 +149,8 @@ static void take_settings(sv_wall_layout *l, const double ray_mm[2], double laye
         l->dilation[axis] = at_most(voxels(s->dilation_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
         l->window[axis] = at_most(voxels(s->window_mm, 2.0 * ray_mm[axis], 0), SV_WALL_MAX_WINDOW);
         l->median_step[axis] = at_most(voxels(2.0 * s->sigma_mm, ray_mm[axis], 1), SV_WALL_MAX_NEIGHBOUR);
-        l->opening[axis] = at_most(voxels(0.5 * s->opening_mm, ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
+        l->opening[1][axis] = at_most(voxels(0.5 * s->opening_mm, ray_mm[axis], 0), SV_WALL_MAX_NEIGHBOUR);
+        l->opening[0][axis] = (l->opening[1][axis] + SURE_OPENING / 2) / SURE_OPENING;
     }
     l->window[2] = at_most(voxels(s->window_mm, layer_mm, 0), SV_WALL_MAX_LAYERS);
     const double blocks = 4.0 * (2 * l->window[0] + 1) * (2 * l->window[1] + 1) * (2 * l->window[2] + 1);

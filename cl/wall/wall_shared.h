@@ -79,8 +79,6 @@
 #define SV_WALL_INFO_GAINS     268 /* what levels are multiplied by, for each brightness around them */
 #define SV_WALL_INFO_WORDS     (268 + SV_WALL_GAINS)
 
-#define SV_WALL_SURE_OPENING 4
-
 /* Without a surface depth and confidence are 0, and nothing is clipped. */
 typedef enum {
     SV_WALL_SURFACE = 0,  /* the maps hold a surface */
@@ -120,19 +118,18 @@ typedef struct {
     unsigned int columns, rows, layers; /* rays across, rays down, blocks of a ray */
     unsigned int cells[2];              /* across and down: half as many as rays */
     unsigned int depth;                 /* slices of a layer; the last one may have less */
-    unsigned int smoothed;         /* 1: a layer is one slice, and its levels are smoothed along the rays */
-    unsigned int dilation[2];      /* cells to either side along x, y */
-    unsigned int window[3];        /* cells and layers to either side that tell what is bright */
-    unsigned int bright_blocks;    /* the mean of all that is bright counts as so many blocks there */
-    unsigned int dim;              /* a block is dim if it is brighter, relative to the threshold */
-    unsigned int darkness;         /* certainty that it is fluid, per level below the threshold */
-    unsigned int near_field;       /* layers, */
-    unsigned int skin;             /* and these, too */
-    unsigned int full_distance;    /* layers: from this distance to the fluid on the cost is full */
-    unsigned int rate;             /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
-    unsigned int median_step[2];   /* rays between the samples of the median */
-    unsigned int opening[2];       /* rays to either side that a doubtful surface is opened over, a */
-                                   /* sure one over 1 / SV_WALL_SURE_OPENING of that */
+    unsigned int smoothed;       /* 1: a layer is one slice, and its levels are smoothed along the rays */
+    unsigned int dilation[2];    /* cells to either side along x, y */
+    unsigned int window[3];      /* cells and layers to either side that tell what is bright */
+    unsigned int bright_blocks;  /* the mean of all that is bright counts as so many blocks there */
+    unsigned int dim;            /* a block is dim if it is brighter, relative to the threshold */
+    unsigned int darkness;       /* certainty that it is fluid, per level below the threshold */
+    unsigned int near_field;     /* layers, */
+    unsigned int skin;           /* and these, too */
+    unsigned int full_distance;  /* layers: from this distance to the fluid on the cost is full */
+    unsigned int rate;           /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
+    unsigned int median_step[2]; /* rays between the samples of the median */
+    unsigned int opening[2][2];  /* rays to either side that a sure and a doubtful surface are opened over */
     unsigned int reach_x, reach_y; /* cells to either side that the Gaussian reaches */
     unsigned int kernel_x[SV_WALL_KERNEL + 1], kernel_y[SV_WALL_KERNEL + 1]; /* weights at 0, 1, .. cells */
     unsigned int cut_cost, occluder_cost;     /* in units of 1 / SV_WALL_COST_ONE */

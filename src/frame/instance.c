@@ -37,12 +37,14 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
  * them. */
 static sv_status build_and_test(sv_instance *in, const sv_config *config, const sv_values *activated,
                                 uint32_t strip) {
-    sv_structure structure = {
-        .substeps = config->substeps,
-        .strip = strip,
-        .padded = config->padding<256, .ranged = config->ranged, .surveyed = sv_chain_is_surveyed(config),
-                                  .fetch_ahead = strip> 16 &&
-                  (uint64_t)config->width * config->height * config->slices > FETCH_AHEAD_BYTES};
+    sv_structure structure = {.substeps = config->substeps,
+                              .strip = strip,
+                              .padded = (config->padding < 256),
+                              .ranged = config->ranged,
+                              .surveyed = sv_chain_is_surveyed(config),
+                              .fetch_ahead =
+                                  (strip > 16) && (uint64_t)config->width * config->height * config->slices >
+                                                      FETCH_AHEAD_BYTES};
     const bool needs_wide = sv_chain_needs_wide(config);
     if (!structure.surveyed && !config->ranged) return SV_OK; /* the method's own kernels do it all */
     sv_status status = sv_program_build(in->diag, &in->device, &structure, &in->narrow);

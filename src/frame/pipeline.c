@@ -64,7 +64,7 @@ static sv_status make_buffers(sv_pipeline *p) {
     }
     if (status == SV_OK)
         status = p->chain.method->slabs ? sv_map_status_buffer(&p->map, b->record)
-                                        : sv_map_buffers(&p->map, true, b->record);
+                                        : sv_map_buffers(&p->map, b->record);
     return status == SV_OK ? sv_chain_buffers(&p->chain) : status;
 }
 

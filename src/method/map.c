@@ -39,9 +39,9 @@ sv_status sv_map_status_buffer(sv_map *m, cl_mem record) {
     return status;
 }
 
-sv_status sv_map_buffers(sv_map *m, bool with_sums, cl_mem record) {
+sv_status sv_map_buffers(sv_map *m, cl_mem record) {
     sv_status status = sv_map_status_buffer(m, record);
-    if (with_sums) m->sums = sv_buffer_make(m->queue, SV_SUM_PLANES * plane_of(m) * m->sum_bytes, &status);
+    m->sums = sv_buffer_make(m->queue, SV_SUM_PLANES * plane_of(m) * m->sum_bytes, &status);
     m->surfaces = sv_buffer_make(m->queue, 2 * plane_of(m) * sizeof(cl_float), &status);
     return status;
 }

@@ -67,7 +67,7 @@ typedef struct {
      * sums. */
     cl_mem points;
 
-    /* The mean filter's first planes, where the points stage or the method writes them; or NULL. */
+    /* The mean filter's first planes, which the points stage writes; NULL if the method takes the slabs. */
     cl_mem sums;
 
     cl_mem scanned; /* planes SV_SCANNED_*, 16 bits; NULL unless config->ranged */
@@ -86,8 +86,8 @@ bool sv_map_needs_wide(const sv_config *config);
  * objects must outlive the map. */
 void sv_map_init(sv_map *map, const sv_queue *queue, const sv_config *config, bool wide_sums);
 
-/* Makes the buffers that every method on points needs, and (with_sums) the mean filter's first planes. */
-sv_status sv_map_buffers(sv_map *map, bool with_sums, cl_mem record);
+/* Makes the buffers that every method on points needs. */
+sv_status sv_map_buffers(sv_map *map, cl_mem record);
 /* Makes what is left where no points are looked for: a status map that says so. */
 sv_status sv_map_status_buffer(sv_map *map, cl_mem record);
 

@@ -232,13 +232,12 @@ static void extreme(const sv_wall_layout *l, const uint32_t reach[2], float *map
     extreme_along(rows, map, 1, l->rows, l->columns, reach[1], least);
 }
 
-/* Fills the pits of the surface that are narrower than `opening` to either side, or than a part of it if the
- * surface is sure: its grey opening. In a pit it has most likely left the fluid for the fetus. Rays that were
- * not scanned do not count. `maps` has room for two maps. */
+/* Fills the pits of the surface that are narrower than `opening` to either side: its grey opening. In a pit
+ * it has most likely left the fluid for the fetus. Rays that were not scanned do not count. `maps` has room
+ * for two maps. */
 static void fill_pits(const sv_wall_scan *s, bool doubtful, float *filtered, float *maps) {
     const sv_wall_layout *l = s->layout;
-    const uint32_t part = doubtful ? 1 : SV_WALL_SURE_OPENING;
-    const uint32_t reach[2] = {(l->opening[0] + part / 2) / part, (l->opening[1] + part / 2) / part};
+    const uint32_t *reach = l->opening[doubtful];
     const size_t count = (size_t)l->columns * l->rows;
     for (size_t plane = 0; plane < FILTERED; plane++) {
         float *const place = filtered + plane * count;

@@ -11,6 +11,9 @@
 
 #include <stddef.h>
 
+/* Names of calls, as recordings, layer and player tell them: "begin". */
+extern const char *const rc_names[RC_CALLS];
+
 typedef struct rec rec;
 
 /*

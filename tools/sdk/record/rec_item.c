@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "record/rec_item.h"
+#include "record/rec.h"
 
 #include <stdlib.h>
 #include <string.h>

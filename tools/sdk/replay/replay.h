@@ -4,6 +4,7 @@
 #define REPLAY_H
 
 #include "guarded/guarded.h"
+#include "record/rec.h"
 #include "record/rec_item.h"
 #include "render/host_cl.h"
 

@@ -19,7 +19,6 @@ typedef enum {
     RC_ADJUST,
     RC_CALLS
 } rc_kind;
-extern const char *const rc_names[RC_CALLS]; /* "begin"; of record/rec_item.c */
 
 typedef struct {
     rc_kind kind;
