@@ -7,6 +7,11 @@
 
 enum { HS_MARKS_MAX = 64 };
 
+/* mm: of a mark that says none; and what a person may ask for. */
+#define HS_MARK_RADIUS       5.0
+#define HS_MARK_RADIUS_LEAST 0.1
+#define HS_MARK_RADIUS_MOST  1e3
+
 typedef struct {
     double place[3]; /* mm along the volume's x, y, z from the centre of its first voxel */
     double radius;   /* mm, > 0 */

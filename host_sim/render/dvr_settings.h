@@ -5,6 +5,8 @@
 
 #include "render/host_cl.h"
 
+#include <math.h>
+
 /* HS_LOOK_THESIS: Eq. 3.22 - 3.24 (dvr.h), what all measures use. HS_LOOK_LIT: a smooth surface in light
  * (dvr_looks.c), for pictures. */
 typedef enum { HS_LOOK_THESIS, HS_LOOK_LIT, HS_LOOK_COUNT } hs_look;
@@ -35,6 +37,12 @@ typedef struct {
 /* The defaults of spec 9 (T_L 40.5/255, T_H 0.45, one slice, 0.95), 512 x 512, s = w = 0, g = 2; the thesis'
  * look, the lamp to the left above the viewer. */
 void hs_dvr_defaults(hs_dvr_settings *settings);
+
+/* The opacity of a sample of a grey level, 0..1 (Eq. 3.22). */
+static inline float hs_dvr_opacity(const hs_dvr_settings *settings, uint8_t level) {
+    const float low = settings->threshold_low, range = settings->threshold_high - low;
+    return fminf(fmaxf(((float)level / 255.0f - low) / range, 0.0f), 1.0f);
+}
 
 /* HS_ERR_USAGE names the first setting that is out of range, its value and its range. */
 bool hs_dvr_check_settings(const hs_dvr_settings *settings, hs_error *err);

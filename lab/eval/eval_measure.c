@@ -28,11 +28,9 @@ uint32_t hs_eval_start_step(float depth, float steps_per_slice, uint32_t steps) 
 float hs_eval_ray_end(const uint8_t *voxels, size_t plane, uint32_t slices, size_t pixel, uint32_t start) {
     hs_dvr_settings dvr;
     hs_dvr_defaults(&dvr);
-    const float low = dvr.threshold_low, range = dvr.threshold_high - low;
     float opacity = 0.0f;
     for (uint32_t z = start; z < slices; z++) {
-        const float value = (float)voxels[z * plane + pixel] / 255.0f;
-        opacity += (1.0f - opacity) * fminf(fmaxf((value - low) / range, 0.0f), 1.0f);
+        opacity += (1.0f - opacity) * hs_dvr_opacity(&dvr, voxels[z * plane + pixel]);
         if (opacity >= dvr.termination) return (float)z;
     }
     return (float)slices;

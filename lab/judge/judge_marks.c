@@ -126,9 +126,8 @@ static double seen_at(const game *g, uint32_t x, uint32_t y) {
     for (double clear = 1.0; z < p->n[2] && clear > 1.0 - SEEN; z++) {
         const double place[3] = {(x + 0.5) / p->n[0], (y + 0.5) / p->n[1], (z + 0.5) / p->n[2]};
         if (!hs_box_map_voxel(&map, v, place, at)) continue;
-        const double level = v->voxels[((size_t)at[2] * v->ny + at[1]) * v->nx + at[0]] / 255.0;
-        const double low = (double)dvr.threshold_low, high = (double)dvr.threshold_high;
-        clear *= 1.0 - fmin(fmax((level - low) / (high - low), 0.0), 1.0);
+        const uint8_t level = v->voxels[((size_t)at[2] * v->ny + at[1]) * v->nx + at[0]];
+        clear *= 1.0 - (double)hs_dvr_opacity(&dvr, level);
     }
     return z;
 }

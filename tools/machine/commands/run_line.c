@@ -26,8 +26,9 @@ static bool take_mark(hs_run_line *line, const char *option, const char *text, b
     double numbers[] = {0.0, 0.0, 0.0, HS_MARK_RADIUS};
     if (!hs_cli_numbers(option, text, "X,Y,Z or X,Y,Z,R (mm)", -1e4, 1e4, 3, 4, numbers, err)) return false;
     const double radius = numbers[3];
-    if (radius < 0.1 || radius > 1e3)
-        return hs_fail(err, HS_ERR_USAGE, "%s: a radius of %g mm is outside 0.1 .. 1000", option, radius);
+    if (radius < HS_MARK_RADIUS_LEAST || radius > HS_MARK_RADIUS_MOST)
+        return hs_fail(err, HS_ERR_USAGE, "%s: a radius of %g mm is outside %g .. %g", option, radius,
+                       HS_MARK_RADIUS_LEAST, HS_MARK_RADIUS_MOST);
     if (*count == HS_MARKS_MAX)
         return hs_fail(err, HS_ERR_USAGE, "%s: at most %d marks", option, HS_MARKS_MAX);
     line->marks[(*count)++] = (hs_mark){{numbers[0], numbers[1], numbers[2]}, radius, keep};

@@ -7,7 +7,6 @@
 
 #define HS_RUN_MAX_VOLUMES 1024u
 #define HS_RUN_MAX_SETS    64u
-#define HS_MARK_RADIUS     5.0 /* mm, of a mark that has none */
 
 /* The command line as read. The request points into it, so it must not move. */
 typedef struct {

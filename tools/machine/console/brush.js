@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The brush: marks that take away what a picture shows, or bring back what was cut. And the way back, for all that is set. */
+/* The brush: marks that take away what a picture shows, or bring back what was cut. */
 "use strict";
 
 const MARKS_MAX = 64; /* HS_MARKS_MAX */
@@ -88,51 +88,5 @@ function chooseBrush(on) {
 function clearMarks() {
   state.marks = [];
   brush.queue = [];
-  changed(false);
-}
-
-/* --------------------------------------------------------------------------------------- undo and redo -- */
-
-const UNDO_MOST = 200;
-const undo = { past: [], future: [], now: "", held: false };
-
-/* All but what plays. */
-function settings() {
-  const { source, camera, cross, render, lanes, marks } = state;
-  return JSON.stringify({ state: { source, camera, cross, render, lanes, marks }, look });
-}
-
-/* A drag is one step, however long it rests on its way: nothing is noted until the hand lets go. */
-function noteSettings() {
-  if (undo.held || state.hurried) return;
-  const now = settings();
-  if (now !== undo.now) {
-    if (undo.now) undo.past.push(undo.now);
-    if (undo.past.length > UNDO_MOST) undo.past.shift();
-    undo.future = [];
-    undo.now = now;
-  }
-  showUndo();
-}
-
-function noteHand(held) {
-  undo.held = held;
-  noteSettings();
-}
-
-function showUndo() {
-  at("undo").disabled = !undo.past.length;
-  at("redo").disabled = !undo.future.length;
-}
-
-function goTo(from, to) {
-  if (!from.length) return;
-  to.push(undo.now);
-  undo.now = from.pop();
-  const then = JSON.parse(undo.now);
-  Object.assign(state, then.state);
-  Object.assign(look, then.look);
-  brush.queue = [];
-  showSettings();
   changed(false);
 }

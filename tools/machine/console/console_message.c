@@ -125,11 +125,9 @@ static bool hs_console_numbers(const json_t *object, const char *key, uint32_t c
 
 /* -------------------------------------------------------------------------------------------- messages -- */
 
-#define MAX_INDEX    1000000u
-#define LEAST_RADIUS 0.1 /* mm, of a mark, as `run` takes it */
-#define MOST_RADIUS  1e3
-#define MAX_DEPTH    8                          /* of objects and arrays; a state has four */
-#define MAX_SERIAL   UINT64_C(9007199254740991) /* what a page can count to */
+#define MAX_INDEX  1000000u
+#define MAX_DEPTH  8                          /* of objects and arrays; a state has four */
+#define MAX_SERIAL UINT64_C(9007199254740991) /* what a page can count to */
 
 static const char *const view_names[HS_CONSOLE_VIEWS] = {"result", "full",  "truth", "depthmap",
                                                          "across", "along", "deep",  "other"};
@@ -261,7 +259,7 @@ static bool read_marks(const json_t *array, hs_console_state *state, hs_error *e
         memcpy(m->place, n, sizeof m->place);
         m->radius = n[3];
         m->keep = n[4] > 0.0;
-        if (!(m->radius >= LEAST_RADIUS && m->radius <= MOST_RADIUS))
+        if (!(m->radius >= HS_MARK_RADIUS_LEAST && m->radius <= HS_MARK_RADIUS_MOST))
             return hs_fail(err, HS_ERR_INPUT, "message: marks: a radius of %g mm", m->radius);
     }
     return true;
@@ -303,7 +301,8 @@ static bool read_mark(const json_t *root, hs_console_message *out, hs_error *err
     static const char *const keys[] = {"type", "what", "view", "at", "radius", "keep", NULL};
     bool keep = false;
     if (!hs_console_object(root, "do", keys, err) || !hs_console_numbers(root, "at", 2, 0, 1, out->at, err) ||
-        !hs_console_number(root, "radius", LEAST_RADIUS, MOST_RADIUS, &out->mark.radius, err) ||
+        !hs_console_number(root, "radius", HS_MARK_RADIUS_LEAST, HS_MARK_RADIUS_MOST, &out->mark.radius,
+                           err) ||
         !hs_console_flag(root, "keep", &keep, err))
         return false;
     out->mark.keep = keep;
