@@ -32,16 +32,14 @@ static uint8_t test_voxel(test_random *random, int pattern, uint32_t x, uint32_t
     }
 }
 
-static void give_volume_back(void *volume) {
+static void free_volume(void *volume) {
     hs_volume_free(volume);
-    free(volume);
 }
 
 void keep_volume(const hs_volume *volume) {
-    hs_volume *copy = malloc(sizeof *copy);
-    if (!copy) abort();
+    hs_volume *copy = unit_memory(sizeof *copy);
     *copy = *volume;
-    unit_keep(give_volume_back, copy);
+    unit_keep(free_volume, copy);
 }
 
 hs_volume test_volume(test_random *random, int pattern, const uint32_t size[3], const double spacing[3]) {

@@ -58,32 +58,30 @@ hs_loop_options options_on(bool own_queue, const sv_param_value *values, uint32_
     return o;
 }
 
-static void give_plugin_back(void *plugin) {
+static void close_plugin(void *plugin) {
     hs_plugin_close(plugin);
-    free(plugin);
 }
 
 hs_plugin *open_plugin(const char *name) {
-    hs_plugin *plugin = malloc(sizeof *plugin);
+    hs_plugin *plugin = unit_memory(sizeof *plugin);
     char path[1024];
     hs_error err = {0};
     const char *build = getenv("SV_BUILD_DIR");
     (void)snprintf(path, sizeof path, "%s/tests/plugins/%s.so", build ? build : ".", name);
-    if (!plugin || !hs_plugin_open(plugin, path, NULL, SV_LOG_WARNING, &err)) fail_msg("%s", err.text);
-    unit_keep(give_plugin_back, plugin);
+    if (!hs_plugin_open(plugin, path, NULL, SV_LOG_WARNING, &err)) fail_msg("%s", err.text);
+    unit_keep(close_plugin, plugin);
     return plugin;
 }
 
-static void give_source_back(void *source) {
+static void close_source(void *source) {
     hs_source_close(source);
-    free(source);
 }
 
 hs_source *open_source(const char *const *paths, uint32_t count, const hs_source_files *how) {
     hs_error err = {0};
-    hs_source *source = malloc(sizeof *source);
-    if (!source || !hs_source_open_files(source, paths, count, how, &err)) fail_msg("%s", err.text);
-    unit_keep(give_source_back, source);
+    hs_source *source = unit_memory(sizeof *source);
+    if (!hs_source_open_files(source, paths, count, how, &err)) fail_msg("%s", err.text);
+    unit_keep(close_source, source);
     return source;
 }
 
@@ -95,11 +93,10 @@ typedef struct made {
 } made;
 static made *last_made;
 
-static void give_loop_back(void *what) {
-    made *m = what;
+static void forget_loop(void *what) {
+    const made *m = what;
     hs_loop_destroy(m->loop);
     last_made = m->before;
-    free(m);
 }
 
 void end_loop(hs_loop *loop) {
@@ -111,14 +108,13 @@ void end_loop(hs_loop *loop) {
 hs_loop *make_loop_from(const hs_cl *cl, const hs_source *source, const hs_plugin *plugin,
                         const hs_loop_options *options) {
     hs_error err = {0};
-    made *m = malloc(sizeof *m);
-    if (!m) abort();
+    made *m = unit_memory(sizeof *m);
     for (made *other = last_made; plugin && other; other = other->before)
         if (other->plugin == plugin && other->loop) end_loop(other->loop);
     *m = (made){last_made, plugin, hs_loop_create(cl, source, plugin, options, &err)};
     if (!m->loop) fail_msg("%s", err.text);
     last_made = m;
-    unit_keep(give_loop_back, m);
+    unit_keep(forget_loop, m);
     return m->loop;
 }
 
@@ -130,16 +126,15 @@ hs_loop *make_loop(const fixture *f, const hs_loop_options *options) {
     return make_loop_of(f, f->plugin, options);
 }
 
-static void give_view_back(void *view) {
+static void free_view(void *view) {
     hs_view_free(view);
-    free(view);
 }
 
 hs_view view_of(hs_loop *loop, uint32_t index) {
-    hs_view *view = malloc(sizeof *view);
+    hs_view *view = unit_memory(sizeof *view);
     hs_error err = {0};
-    if (!view || !hs_loop_view(loop, index, view, &err)) fail_msg("%s", err.text);
-    unit_keep(give_view_back, view);
+    if (!hs_loop_view(loop, index, view, &err)) fail_msg("%s", err.text);
+    unit_keep(free_view, view);
     return *view;
 }
 

@@ -6,14 +6,12 @@
 
 const char *const scene_cases[SCENE_CASES] = {"D01", "D02", "E01", "E02", "E03", "E04", "M01", "M02", "M03"};
 
-static void give_field_back(void *field) {
+static void free_field(void *field) {
     hs_field_free(field);
-    free(field);
 }
 
-static void give_scene_back(void *data) {
+static void free_scene(void *data) {
     hs_scene_free(data);
-    free(data);
 }
 
 void empty_spec(hs_scene_spec *spec) {
@@ -25,9 +23,8 @@ hs_field *one_tissue_field(uint32_t n, float h, hs_tissue tissue) {
     const uint32_t size[3] = {n, n, n};
     const float spacing[3] = {h, h, h};
     hs_error err = {0};
-    hs_field *field = calloc(1, sizeof *field);
-    if (!field) abort();
-    unit_keep(give_field_back, field);
+    hs_field *field = unit_memory(sizeof *field);
+    unit_keep(free_field, field);
     if (!hs_field_init(field, size, spacing, &err)) fail_msg("%s", err.text);
     field->threads = 2;
     field->seed = 7;
@@ -46,9 +43,8 @@ double level_db(int16_t level) {
 
 hs_scene_data scene_frame(hs_scene *scene, const hs_scene_options *options, hs_scene_times *times) {
     hs_error err = {0};
-    hs_scene_data *out = calloc(1, sizeof *out);
-    if (!out) abort();
-    unit_keep(give_scene_back, out);
+    hs_scene_data *out = unit_memory(sizeof *out);
+    unit_keep(free_scene, out);
     if (!hs_scene_frame(scene, options, out, times, &err)) fail_msg("%s", err.text);
     hs_scene_close(scene);
     return *out;

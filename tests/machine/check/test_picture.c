@@ -25,17 +25,16 @@ static int teardown(void **state) {
     return rmdir(folder); /* fails if a test left a file */
 }
 
-static void give_picture_back(void *picture) {
+static void free_picture(void *picture) {
     hs_picture_free(picture);
-    free(picture);
 }
 
 /* It is kept for the test. */
 static hs_picture blank(uint32_t width, uint32_t height, uint32_t colour) {
     hs_error err = {0};
-    hs_picture *p = malloc(sizeof *p);
-    assert_true(p && hs_picture_init(p, width, height, colour, &err));
-    unit_keep(give_picture_back, p);
+    hs_picture *p = unit_memory(sizeof *p);
+    assert_true(hs_picture_init(p, width, height, colour, &err));
+    unit_keep(free_picture, p);
     return *p;
 }
 
