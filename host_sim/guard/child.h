@@ -85,8 +85,7 @@ hs_child_news hs_child_wait(hs_child *child, double seconds);
  * are. */
 void hs_child_wait_end(hs_child *child, double seconds);
 
-/* Bytes of the child's output beyond the limit, which nobody saw, since the last call. The limit holds anew.
- */
+/* Bytes of its output beyond the limit, which nobody saw, since the last call. The limit holds anew. */
 uint64_t hs_child_dropped(hs_child *child);
 
 /* Kills the child and everything that it has started, and notes why. How it ended before counts more: a

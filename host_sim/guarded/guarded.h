@@ -17,8 +17,7 @@
 #include "plugin/loader.h"
 
 /* hs_plugin_open, guarded or not as the options say. The errors are the same, and HS_ERR_PLUGIN also tells
- * how a child ended: "x.so: crashed: SIGSEGV in create". Close it with hs_guarded_close or hs_plugin_close.
- */
+ * how a child ended: "x.so: crashed: SIGSEGV in create". hs_guarded_close or hs_plugin_close ends it. */
 bool hs_guarded_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level,
                      const hs_guard_options *options, hs_error *err);
 

@@ -157,9 +157,7 @@ static void locate(scene *s, const hs_mark *mark, const hs_camera *camera) {
     s->radius = mark->radius;
 }
 
-/* Whether a mark at slice z lies on tissue that it would keep. Fluid alone has a threshold, too: below
- * `least`.
- */
+/* Whether a mark at slice z lies on tissue that it would keep. Fluid alone has a threshold below `least`. */
 static bool keeps_at(scene *s, uint32_t x, uint32_t y, double z, double start, double least) {
     uint32_t run[2];
     s->at[2] = z;

@@ -31,8 +31,7 @@ typedef struct {
 bool hs_marks_apply(const hs_mark *marks, uint32_t count, const hs_volume *volume, const hs_camera *camera,
                     const uint32_t n[3], float *depth, hs_error *err);
 
-/* Where a place of the volume (a mark's) lies seen from the box' middle: mm right, down and away; and back.
- */
+/* Where a place of the volume lies seen from the box' middle: mm right, down and away; and back. */
 void hs_marks_seen(const hs_volume *volume, const hs_camera *camera, const double place[3], double seen[3]);
 void hs_marks_place(const hs_volume *volume, const hs_camera *camera, const double seen[3], double place[3]);
 

@@ -31,8 +31,7 @@ typedef struct {
 hs_beams *hs_vol_geometry(const hs_vol_spec *spec, const hs_volume *volume, hs_error *err);
 
 /* Samples the volume along the beams, linearly. The middle of its first slice's outer face lies where the
- * samples of the middle line start. What lies outside the volume, or was not scanned there, is a black echo.
- */
+ * samples of the middle line start. What lies outside the volume, or was not scanned, is a black echo. */
 void hs_vol_fill(hs_beams *beams, const hs_volume *volume);
 
 /* Files under way. Zeroed: none. */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The structures of a scene as solids: occluders, cord, particles, bladder and the fetus; and their motion.
- */
+/* A scene's structures as solids: occluders, cord, particles, bladder and the fetus; and their motion. */
 #include "scene/scene_random.h"
 #include "scene/scene_solid.h"
 #include "scene/scene_spec.h"

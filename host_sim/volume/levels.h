@@ -24,8 +24,7 @@ typedef struct {
 /* No value was looked at yet: an empty range. */
 void hs_levels_begin(hs_levels *levels);
 
-/* Widens low .. high so that it holds those of `count` values that were scanned; `scanned` may be NULL: all.
- */
+/* Widens low .. high to hold those of `count` values that were scanned; `scanned` may be NULL: all. */
 void hs_levels_widen(hs_levels *levels, const double *value, const uint8_t *scanned, size_t count);
 
 /* The levels of `count` values; low < high. */

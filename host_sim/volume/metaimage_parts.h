@@ -171,9 +171,7 @@ void hs_met_voxels_report_to(hs_met_voxels *voxels, hs_error *err);
 const hs_met_header *hs_met_voxels_header(const hs_met_voxels *voxels);
 
 /* The next `count` voxels, at most HS_MET_CHUNK: as numbers, all finite; and, unless `raw` is NULL, as bytes
- * of the file's type in this machine's order. Both are the stream's and good until the next call. NULL on
- * failure.
- */
+ * of the file's type in this machine's order. Both are the stream's, until the next call. NULL on failure. */
 const double *hs_met_voxels_read(hs_met_voxels *voxels, size_t count, const uint8_t **raw);
 
 /* Passes over the next `count` voxels, whatever they hold. */

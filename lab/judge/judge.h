@@ -283,8 +283,7 @@ bool site_scans(const site_list *list, const char *const *volumes, uint32_t coun
 
 /* -------------------------------------------------------------------------------------------- marks -- */
 /* A user who knows the truth puts marks on the largest wrong regions, as the console's brush does. Each is
- * the best of twelve: on one of the three largest regions, of 3, 5, 8 or 12 mm; none where all make it worse.
- */
+ * the best of twelve: on one of the three largest regions, of 3, 5, 8 or 12 mm; none if all are worse. */
 
 /* Where a ray may be clipped, mm from the first slice: low .. high was scanned, near .. far is right. high 0:
  * it is not judged. */

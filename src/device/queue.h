@@ -20,8 +20,7 @@ typedef struct {
     sv_tally *tally;   /* not NULL: buffers and commands are counted here, and OpenCL is not called */
 } sv_queue;
 
-/* ---- buffers: a queue with a tally counts them instead of making them, which tells how much code will want
- */
+/* ---- buffers: a queue with a tally counts them and makes none, which tells how much code will want */
 
 /* Makes a buffer of at least one byte, zeroed by the queue. On failure it returns NULL and the reason in
  * *status. It does nothing if *status is not SV_OK. */

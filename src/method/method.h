@@ -140,8 +140,7 @@ typedef struct {
     size_t size;
 } sv_source;
 
-/* Slabs as the kernels find them: their textures lie in `buffer`. A slab of 0 slices is not read (warm-up).
- */
+/* Slabs as the kernels find them: their textures lie in `buffer`. One of 0 slices is not read (warm-up). */
 typedef struct {
     cl_mem buffer;
     sv_batch batch;

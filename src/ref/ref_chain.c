@@ -23,8 +23,7 @@ const char *sv_ref_method_name(uint32_t method) {
     return method < SV_METHOD_END ? methods[method].name : NULL;
 }
 
-/* float32 divides a position by three samples a slice, which costs at most 8 half steps at the largest depth.
- */
+/* float32 divides a position by three samples a slice: at most 8 half steps at the largest depth. */
 double sv_ref_bound(const sv_ref_method *method, const sv_ref_task *task, const sv_ref_device *device) {
     const bool rounded = !method->takes_volume && device->substeps == 3;
     return method->bound(task, device) + (rounded ? 8.0 * device->slices * 0x1p-24 : 0.0);

@@ -105,8 +105,7 @@ static void backward_fluid(const sv_wall_scan *s, size_t ray, ray_facts *f) {
     spread_distance(f->distance, layers);
 }
 
-/* Finds the first fluid: behind a first run that touches the start of the scan, else all in front of the run.
- */
+/* Finds the first fluid: behind a first run that touches the scan's start, else all in front of the run. */
 static void first_fluid(const sv_wall_scan *s, size_t ray, ray_facts *f) {
     f->fluid_begin = 0;
     f->fluid_end = f->first.begin;

@@ -35,8 +35,7 @@ uint8_t *sv_wall_brightness_map(const sv_wall_layout *layout, const sv_wall_bloc
 
 /* ---- the same blocks along the beams (ref_wall_beams.c) */
 
-/* Takes the levels at the samples of a grid, each from the nearest block of the camera. `layout`: the grid's.
- */
+/* Takes the levels at a grid's samples, each from the nearest block of the camera. `layout`: the grid's. */
 bool sv_wall_gather(const sv_wall_blocks *camera, const sv_wall_grid *grid, const sv_wall_layout *layout,
                     sv_wall_blocks *blocks);
 

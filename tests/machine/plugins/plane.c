@@ -41,8 +41,7 @@ typedef struct {
     int writes_nothing;
     int map_once; /* only the first frame's map is written; later frames are said to be whole, too */
     int fails_by; /* how it fails where it is told to; all but an error only a process of its own survives */
-    int confidence; /* smartvis.confidence/1, from 0 at the left to 1 at the right, and what is wrong with it
-                     */
+    int confidence; /* smartvis.confidence/1, from 0 at the left to 1 at the right, and its faults */
 } variant;
 
 /* CMakeLists.txt reads the names. */

@@ -10,8 +10,7 @@
 
 #include <math.h>
 
-/* The nine scenes; a bladder; a fetus whose tissue fades, so that little of what is dark lies in front of it.
- */
+/* The nine scenes; a bladder; a fetus whose tissue fades, so that little of what is dark lies before it. */
 static void test_scenes(void **state) {
     static const char *const names[] = {"E01", "E02", "E03", "E04", "M01", "M02",
                                         "M03", "D01", "D02", "H09", "R9_7"};

@@ -133,8 +133,7 @@ static void print_capabilities(const sv_descriptor *d) {
     hs_print(stdout, "%s\n\n", d->extensions && d->extensions[0] ? "" : " none");
 }
 
-/* What a cube of so many voxels in slabs of 16 slices takes, with these values. False if the plugin refuses.
- */
+/* What a cube of so many voxels in slabs of 16 slices takes. False if the plugin refuses these values. */
 static bool ask_needs(const sv_plugin *p, const sv_param_value *values, uint32_t count, uint32_t side,
                       const sv_needs_device *device, sv_needs *out) {
     sv_param_value fixed[MAX_SETS], own[MAX_SETS];

@@ -36,8 +36,7 @@ static bool is_volume_name(const char *name) {
     return false;
 }
 
-/* True for what `scenes --export` writes beside a volume: labels and depths, which are no echoes to look at.
- */
+/* True for what `scenes --export` writes beside a volume: labels and depths, which are no echoes. */
 static bool is_map_name(const char *name) {
     static const char *const endings[] = {"_label.mha", "_near.mha", "_far.mha"};
     const size_t length = strlen(name);

@@ -8,8 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SEEN                                                                                                 \
-    0.5f /* the opacity at which a ray has met what is seen; tissue that lets light through has it, too */
+#define SEEN 0.5f /* a ray's opacity at what is seen; tissue that lets light through has it, too */
 
 /* How deep in the box what is seen at a place of the picture lies, mm. `frame` NULL: in the full volume. */
 static bool find_seen(hs_console_stage *stage, hs_loop *loop, const hs_frame *frame, const double at[2],

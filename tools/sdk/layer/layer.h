@@ -97,8 +97,7 @@ extern char ly_folder[PATH_MAX]; /* the layer's own, with '/' */
 /* Once, before the others are asked. */
 void ly_read_settings(void);
 
-/* The value of a setting: of the environment, else of the file smartvis_check.conf beside the layer; or NULL.
- */
+/* A setting's value: of the environment, else of the file smartvis_check.conf beside the layer; or NULL. */
 const char *ly_setting(const char *name);
 
 /* A setting that is a file: a relative path starts from the working folder, in the settings' file from the

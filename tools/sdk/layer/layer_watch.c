@@ -153,8 +153,7 @@ static void compare_memory(ly_instance *i, rule_name name, uint32_t from, const 
 }
 
 /* ---- what the host must keep */
-/* The layer holds the queue and the frame's objects: where it is the only one, the host has let go of them.
- */
+/* The layer holds queue and objects of the frame: where it is the only one, the host has let go of them. */
 static void judge_kept(ly_instance *i, const char *call) {
     const ly_watch *w = i->watch;
     const rule_sink *to = &i->called;

@@ -43,8 +43,7 @@ void rec_after(rec *r, const rc_call *call);
 #define REC_NOTE (-1)
 void rec_log(rec *r, int32_t severity, const char *text);
 
-/* Why the recording has stopped, "" if it has not: the disk is full, or a slab too large. Valid until close.
- */
+/* Why it has stopped, "" if it has not: the disk is full, or a slab too large. Valid until close. */
 const char *rec_why(const rec *r);
 
 /* Ends the file as a whole one. NULL is fine. */

@@ -33,8 +33,7 @@ bool rp_pays(const rp_options *o, const hs_plugin *plugin, const sv_format *form
              hs_error *err);
 
 /* ------------------------------------------------------------------------------- replay_hand: the host -- */
-/* What a plugin is handed: the slabs as they were recorded, in memory or objects, and room for its results.
- */
+/* What a plugin is handed: slabs as they were recorded, in memory or objects, and room for results. */
 
 typedef struct {
     const hs_plugin *plugin;
