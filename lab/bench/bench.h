@@ -34,10 +34,6 @@ void bench_machine_print(const bench_machine *machine);
 /* ----------------------------------------------------------------------------------------------- times -- */
 /* Samples of a duration, and what is reported of them. */
 
-/* Processor time of all threads so far, milliseconds: other load on the machine hardly changes what is
- * spent. */
-double bench_processor_ms(void);
-
 typedef struct {
     double *ms;
     uint32_t count, capacity;
@@ -92,15 +88,6 @@ typedef struct {
 /* Intensities of the volume, grey levels: fluid 1 .. 40, tissue 60 .. 150, bone 220 .. 255. */
 enum { BENCH_FLUID_LEVEL = 40 };
 
-/*
- * Voxel (x, y, z) of the volume with n x n rays of `slices` voxels, the same at every call: a wall, fluid,
- * then tissue with bones that 3 % of the rays meet; a few rays meet bone in the wall, before any fluid. All
- * layers have noise.
- *
- * slice[z] is the first of n rows, `pitch` bytes apart, of n bytes. HS_ERR_MEMORY.
- */
-bool bench_volume_fill(uint32_t n, uint32_t slices, uint8_t *const *slice, size_t pitch, hs_error *err);
-
 typedef struct {
     hs_slab_layout layout;
     uint32_t count;      /* slabs */
@@ -111,8 +98,9 @@ typedef struct {
     plain_volume volume; /* the same voxels */
 } bench_slabs;
 
-/* n voxels an axis in slabs of slab_slices, tiles as square as the host's scan loop lays them.
- * HS_ERR_MEMORY. */
+/* n voxels an axis in slabs of slab_slices, tiles as square as the host's scan loop lays them. The same
+ * voxels at every call: a wall, fluid, then tissue with bones that 3 % of the rays meet; a few rays meet bone
+ * in the wall, before any fluid. All layers have noise. HS_ERR_MEMORY. */
 bool bench_slabs_create(bench_slabs *slabs, uint32_t n, uint32_t slab_slices, hs_error *err);
 void bench_slabs_destroy(bench_slabs *slabs);
 

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 /* --------------------------------------------------------------------------------------------- machine -- */
@@ -49,12 +48,6 @@ void bench_machine_print(const bench_machine *m) {
 }
 
 /* ----------------------------------------------------------------------------------------------- times -- */
-
-double bench_processor_ms(void) {
-    struct timespec t;
-    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 bool bench_samples_create(bench_samples *samples, uint32_t capacity, hs_error *err) {
     *samples = (bench_samples){.ms = malloc(capacity * sizeof(double)), .capacity = capacity};

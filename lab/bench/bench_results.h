@@ -86,23 +86,6 @@ bool bench_plugin_has_method(const hs_plugin *plugin, const char *method);
 bool bench_plugin_run(const bench_plugin_setup *setup, const bench_slabs *slabs, const bench_variant *variant,
                       hs_progress *progress, bench_plugin_result *result, hs_error *err);
 
-/* --------------------------------------------------------------------------------------------- frame -- */
-/* Why the plugin's frame costs more in the loop than in a benchmark of its own, cause by cause. */
-
-typedef struct {
-    const hs_plugin *plugin;
-    const hs_cl *cl;
-    bench_team *team;
-    uint32_t frames;
-    const char *scene;            /* a built-in scene or a scene file; NULL: D01 */
-    uint32_t size;                /* voxels an axis */
-    const sv_param_value *values; /* of the plugin */
-    uint32_t value_count;
-} bench_frame_setup;
-
-/* Times frames and prints the table; false with an error of plugin or device. */
-bool bench_frame_run(const bench_frame_setup *setup, hs_error *err);
-
 /* --------------------------------------------------------------------------------------------- results -- */
 
 /* All of a run. Arrays are not owned. */

@@ -59,7 +59,7 @@ static uint8_t voxel(const layers *l, uint32_t z, uint32_t noise) {
     return (uint8_t)(60u + noise % 91u);
 }
 
-bool bench_volume_fill(uint32_t n, uint32_t slices, uint8_t *const *slice, size_t pitch, hs_error *err) {
+static bool volume_fill(uint32_t n, uint32_t slices, uint8_t *const *slice, size_t pitch, hs_error *err) {
     layers *row = malloc(n * sizeof *row);
     if (!row) return hs_fail(err, HS_ERR_MEMORY, "benchmark volume: no memory for %u rays", n);
     for (uint32_t y = 0; y < n; y++) {
@@ -98,7 +98,7 @@ bool bench_slabs_create(bench_slabs *slabs, uint32_t n, uint32_t slab_slices, hs
                           (size_t)(in_slab / tiles_x) * n * slabs->layout.row_pitch + in_slab % tiles_x * n;
     }
     slabs->volume = (plain_volume){n, n, n, (const uint8_t *const *)slabs->slice, slabs->layout.row_pitch};
-    if (bench_volume_fill(n, n, slabs->slice, slabs->layout.row_pitch, err)) return true;
+    if (volume_fill(n, n, slabs->slice, slabs->layout.row_pitch, err)) return true;
     bench_slabs_destroy(slabs);
     return false;
 }

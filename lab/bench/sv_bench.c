@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* sv_bench: a plugin's speed beside plain C, and what a frame costs more in the host's scan loop. */
+/* sv_bench: a plugin's speed beside plain C. */
 #include "base/cli.h"
 #include "base/options.h"
 #include "bench/bench.h"
@@ -21,14 +21,14 @@ enum {
 static const uint32_t sizes[SIZES] = {128, 171, 512}; /* voxels an axis that --size chooses from */
 static const uint32_t kernels[SIZES] = {23, 23, 55};  /* k, by size */
 
-typedef enum { PART_PLUGIN, PART_WORST, PART_FRAME, PARTS } part;
+typedef enum { PART_PLUGIN, PART_WORST, PARTS } part;
 
-static const char *const part_names[PARTS] = {"plugin", "worst", "frame"};
+static const char *const part_names[PARTS] = {"plugin", "worst"};
 
 typedef struct {
     char usual[1024]; /* where the plugin lies by default */
-    const char *plugin, *id, *scene;
-    uint32_t frames, host_frames, host_size;
+    const char *plugin, *id;
+    uint32_t frames;
     bool size[SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
     bool part[PARTS], version;
@@ -39,7 +39,7 @@ typedef struct {
 
 static const char intro[] =
     "Usage: sv_bench [options]\n"
-    "Times a plugin's frames beside plain C, and what they cost more in the host's scan loop.\n"
+    "Times a plugin's frames beside plain C.\n"
     "\n"
     "A frame is timed in turns with (a) reading the volume's bytes once and (b) the same work in plain C, "
     "both\n"
@@ -73,7 +73,7 @@ static bool take_part(void *all, const char *text, hs_error *err) {
     options *const o = all;
     bool found = false;
     for (int i = 0; i < PARTS; i++) found |= o->part[i] = strcmp(text, part_names[i]) == 0;
-    return found || hs_fail(err, HS_ERR_USAGE, "--only: '%s' is none of 'plugin', 'worst' and 'frame'", text);
+    return found || hs_fail(err, HS_ERR_USAGE, "--only: '%s' is neither 'plugin' nor 'worst'", text);
 }
 
 static bool take_quick(void *all, const char *text, hs_error *err) {
@@ -81,7 +81,6 @@ static bool take_quick(void *all, const char *text, hs_error *err) {
     (void)text;
     (void)err;
     o->frames = 20;
-    o->host_frames = 5;
     o->slabs[0] = 32;
     o->slab_count = 1;
     return o->route[BENCH_PLACE_OWN] = o->route[BENCH_BUFFER_HOST] = true;
@@ -128,8 +127,8 @@ static const hs_option known[] = {
      "change the result make the comparison with plain C fail\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_param},
     {"only", "PART",
-     "'plugin' or 'frame', on its way into the scan loop (default: both); or 'worst': 10000\n"
-     "frames of each combination, as the plugin stands\n",
+     "'plugin' (the default), or 'worst': 10000 frames of each combination, as the plugin\n"
+     "stands\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_part},
     {"size", "N", "volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n", HS_OPTION_TAKEN, 0,
      0, 0, take_size},
@@ -145,14 +144,8 @@ static const hs_option known[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_route},
     {"frames", "N", "timed frames of each combination (default 100; of 'worst' 10000)\n", HS_OPTION_COUNT,
      AT(frames), 1, 100000, NULL},
-    {"loop-frames", "N", "timed frames of each camera and way of 'frame' (default 20)\n", HS_OPTION_COUNT,
-     AT(host_frames), 1, 100000, NULL},
-    {"loop-size", "N", "voxels an axis of the volumes of 'frame' (default 400)\n", HS_OPTION_COUNT,
-     AT(host_size), 32, 1024, NULL},
-    {"scene", "NAME", "the scene of 'frame': E01 .. D02 or a scene file (default D01)\n", HS_OPTION_TEXT,
-     AT(scene), 0, 0, NULL},
-    {"quick", NULL, "20 frames, 5 of 'frame'; slabs of 32; routes place-own and buffer-host\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_quick},
+    {"quick", NULL, "20 frames; slabs of 32; routes place-own and buffer-host\n", HS_OPTION_TAKEN, 0, 0, 0,
+     take_quick},
     HS_GUARD_ROWS(AT(guard)),
     {"version", NULL, "versions of this program and of the ABI\n", HS_OPTION_FLAG, AT(version), 0, 0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
@@ -166,8 +159,7 @@ static void print_help(void) {
 }
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
-    *o = (options){.host_frames = 20, .host_size = 400};
-    for (int i = 0; i < PARTS; i++) o->part[i] = i != PART_WORST;
+    *o = (options){.part = {[PART_PLUGIN] = true}};
     hs_guard_defaults(&o->guard);
     hs_plugin_default_path(o->usual, sizeof o->usual);
     o->plugin = o->usual;
@@ -266,20 +258,8 @@ static bool run_worst_part(bench_run *run, hs_error *err) {
     return true;
 }
 
-static bool run_frame_part(bench_run *run, hs_error *err) {
-    const bench_frame_setup setup = {.plugin = &run->plugin,
-                                     .cl = &run->cl,
-                                     .team = run->team,
-                                     .frames = run->o.host_frames,
-                                     .scene = run->o.scene,
-                                     .size = run->o.host_size,
-                                     .values = run->values,
-                                     .value_count = run->o.value_count};
-    return bench_frame_run(&setup, err);
-}
-
 static bool (*const part_runs[PARTS])(bench_run *run, hs_error *err) = {
-    [PART_PLUGIN] = run_plugin_part, [PART_WORST] = run_worst_part, [PART_FRAME] = run_frame_part};
+    [PART_PLUGIN] = run_plugin_part, [PART_WORST] = run_worst_part};
 
 static bool measure(bench_run *run, hs_error *err) {
     for (uint32_t i = 0; i < run->o.value_count; i++)
