@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 /* ---------------------------------------------------------------------------------------------- volume -- */
 
@@ -189,11 +188,6 @@ void hs_eval_knob_spread(hs_eval_knob *knob, const hs_plugin *plugin, uint32_t w
 
 /* ---------------------------------------------------------------------------------------------- open -- */
 
-static uint32_t volume_crc(const hs_volume *full, const hs_volume *truth) {
-    uLong crc = crc32_z(0, full->voxels, hs_volume_count(full));
-    return (uint32_t)crc32_z(crc, truth->voxels, hs_volume_count(truth));
-}
-
 /* A loop whose picture has a pixel for every ray of the map. */
 static bool make_loop(hs_eval_case *c, const hs_cl *cl, const hs_eval_values *fixed, uint32_t lowres,
                       hs_error *err) {
@@ -237,12 +231,10 @@ bool hs_eval_case_open(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plugin
                                   hs_source_truth(&c->from.source, 0), c->from.label, err) &&
               allocate(c, err) && hs_loop_convert(c->loop, 0, err) &&
               (!plugin || run_frame(c, fixed, &frame, NULL, err));
-    if (ok) {
+    if (ok)
         c->volume_max = plugin ? (double)frame.points.volume_max : 0.0;
-        c->volume_crc = volume_crc(hs_source_volume(&c->from.source, 0), hs_source_truth(&c->from.source, 0));
-    } else {
+    else
         hs_eval_case_close(c);
-    }
     return ok;
 }
 

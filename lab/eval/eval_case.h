@@ -186,11 +186,10 @@ typedef struct {
     const hs_plugin *plugin;
     hs_eval_table table;
     hs_knob_way way;
-    float *map[2];       /* width * height slices: scratch */
-    float *termination;  /* the same in steps */
-    uint64_t frame;      /* frames so far */
-    double volume_max;   /* 0 .. 1, of the low-resolution volume, as the plugin reports it; 0: it does not */
-    uint32_t volume_crc; /* of full volume and ground truth */
+    float *map[2];      /* width * height slices: scratch */
+    float *termination; /* the same in steps */
+    uint64_t frame;     /* frames so far */
+    double volume_max;  /* 0 .. 1, of the low-resolution volume, as the plugin reports it; 0: it does not */
 } hs_eval_case;
 
 /* Makes or reads the volume, the loop (with `fixed` for the parameters that only activate reads) and the

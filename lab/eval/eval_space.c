@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <zlib.h>
 
 /* ------------------------------------------------------------------------------------------------ plan -- */
 
@@ -51,25 +50,6 @@ bool hs_eval_plan_base(hs_eval_values *base, const hs_plugin *plugin, const char
            hs_eval_values_add(base, info.id, 0.0, err);
 }
 
-static uint32_t file_crc(const char *path) {
-    unsigned char block[16384];
-    uLong crc = 0;
-    FILE *file = fopen(path, "rb");
-    if (!file) return 0;
-    for (size_t got; (got = fread(block, 1, sizeof block, file)) > 0;) crc = crc32_z(crc, block, got);
-    (void)fclose(file);
-    return (uint32_t)crc;
-}
-
-static void name_identity(hs_eval_plan *plan, bool coarse) {
-    const sv_descriptor *d = plan->plugin->instance->descriptor;
-    int length = snprintf(plan->identity, sizeof plan->identity, "%.100s %.40s %08x%s", d->id, d->version,
-                          file_crc(plan->plugin->path), coarse ? " coarse" : "");
-    for (uint32_t i = 0; i < plan->base.count && length < (int)sizeof plan->identity; i++)
-        length += snprintf(plan->identity + length, sizeof plan->identity - (size_t)length, " %u=%.6g",
-                           plan->base.at[i].id, plan->base.at[i].value);
-}
-
 static bool use_mode_absolute(hs_eval_plan *plan, hs_error *err) {
     const char *const absolute = "bone_mode=absolute";
     sv_param_info info;
@@ -88,7 +68,6 @@ bool hs_eval_plan_make(hs_eval_plan *plan, const hs_plugin *plugin, const char *
     if (plan->threshold.exists) fill_axis(&plan->threshold, 0.5, 0.01, 51, coarse);
     if (plan->kernel.exists) fill_axis(&plan->kernel, 3, 4, 16, coarse);
     hs_eval_knob_spread(&plan->knob, plugin, coarse ? (KNOB_POSITIONS - 1) / COARSE + 1 : KNOB_POSITIONS);
-    name_identity(plan, coarse);
     return true;
 }
 
@@ -107,65 +86,37 @@ bool hs_eval_plan_values(const hs_eval_plan *plan, uint32_t item, hs_eval_values
 /* ----------------------------------------------------------------------------------------------- space -- */
 
 bool hs_eval_space_open(hs_eval_space *space, const hs_eval_plan *plan, const hs_eval_case *c,
-                        const hs_eval_request *request, hs_error *err) {
+                        hs_error *err) {
     *space = (hs_eval_space){.plan = plan, .volume_max = c->volume_max, .items = hs_eval_plan_items(plan)};
     (void)snprintf(space->name, sizeof space->name, "%.63s", hs_source_volume(&c->from.source, 0)->name);
     for (char *p = space->name; *p; p++)
         if (!isalnum((unsigned char)*p) && *p != '-') *p = '_';
-    (void)snprintf(space->identity, sizeof space->identity, "%s; %s size %u lowres %u seed %llu %08x",
-                   plan->identity, space->name, request->size, c->table.width,
-                   (unsigned long long)request->seed, c->volume_crc);
     if (plan->threshold.exists && !(space->volume_max > 0))
         return hs_fail(err, HS_ERR_PLUGIN,
                        "%s: reports volume_max %g, so Delta_MI = volume_max - T_B cannot be told",
                        plan->plugin->path, space->volume_max);
-    space->seen = calloc(space->items, sizeof *space->seen);
     space->outcome = calloc(space->items, sizeof *space->outcome);
     space->at = calloc((size_t)space->items * plan->knob.count, sizeof *space->at);
-    if (space->seen && space->outcome && space->at) return true;
+    if (space->outcome && space->at) return true;
     hs_eval_space_close(space);
     return hs_fail(err, HS_ERR_MEMORY, "parameter space: no memory");
 }
 
 void hs_eval_space_close(hs_eval_space *space) {
-    free(space->seen);
     free(space->outcome);
     free(space->at);
     *space = (hs_eval_space){0};
 }
 
-bool hs_eval_space_done(const hs_eval_space *space, uint32_t item) {
-    const uint32_t positions = space->plan->knob.count;
-    return space->seen[item] == (positions < 64 ? (UINT64_C(1) << positions) - 1 : UINT64_MAX);
-}
-
-void hs_eval_space_put(hs_eval_space *space, uint32_t item, uint32_t knob, sv_status outcome,
-                       const hs_measures *measures) {
-    const bool before = hs_eval_space_done(space, item);
-    space->outcome[item] = outcome;
-    space->at[(size_t)item * space->plan->knob.count + knob] = *measures;
-    space->seen[item] |= UINT64_C(1) << knob;
-    if (!before && hs_eval_space_done(space, item)) space->done_count++;
-}
-
-static bool run_item(hs_eval_space *space, hs_eval_case *c, uint32_t item, hs_error *err) {
-    hs_eval_values values;
-    hs_measures line[HS_EVAL_MAX_LINE];
-    sv_status outcome;
-    if (!hs_eval_plan_values(space->plan, item, &values, err) ||
-        !hs_eval_case_measure(c, &values, &space->plan->knob, line, &outcome, err))
-        return false;
-    for (uint32_t k = 0; k < space->plan->knob.count; k++)
-        hs_eval_space_put(space, item, k, outcome, &line[k]);
-    return true;
-}
-
-bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_keep_fn keep, void *context,
-                       hs_error *err) {
-    for (uint32_t item = 0; item < space->items; item++)
-        if (!hs_eval_space_done(space, item) &&
-            (!run_item(space, c, item, err) || !keep(context, space, item, err)))
+bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_progress *progress, hs_error *err) {
+    for (uint32_t item = 0; item < space->items; item++) {
+        hs_eval_values values;
+        hs_measures *const line = &space->at[(size_t)item * space->plan->knob.count];
+        if (!hs_eval_plan_values(space->plan, item, &values, err) ||
+            !hs_eval_case_measure(c, &values, &space->plan->knob, line, &space->outcome[item], err))
             return false;
+        if (progress) hs_progress_step(progress, item + 1u);
+    }
     return true;
 }
 

@@ -231,20 +231,18 @@ static bool check_setting(hs_eval_study *study, const hs_eval_space *space, hs_e
     return true;
 }
 
-/* This case's share of the settings that --check asks for, among those that are there. */
+/* This case's share of the settings that --check asks for. */
 static bool check_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
     const hs_eval_space *space = &study->space[index];
     const hs_eval_plan *plan = &study->plan;
     const uint32_t cases = study->options->case_count;
     const uint32_t wanted = study->options->check / cases + (index < study->options->check % cases);
     uint32_t state = index + 1u;
-    for (uint32_t n = 0; n < wanted && space->done_count > 0;) {
+    for (uint32_t n = 0; n < wanted; n++) {
         const hs_eval_setting setting = {next_random(&state) % plan->threshold.count,
                                          next_random(&state) % plan->kernel.count,
                                          next_random(&state) % plan->knob.count};
-        if (!hs_eval_space_done(space, setting.threshold * plan->kernel.count + setting.kernel)) continue;
         if (!check_setting(study, space, c, setting, err)) return false;
-        n++;
     }
     return true;
 }
@@ -252,10 +250,9 @@ static bool check_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs
 /* ---------------------------------------------------------------------------------------------- run -- */
 
 bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
-    const hs_eval_request request = request_of(study, index);
     hs_eval_result *result = &study->result[index];
     if (!hs_eval_study_case(study, index, c, err)) return false;
-    if (!hs_eval_space_open(&study->space[index], &study->plan, c, &request, err)) {
+    if (!hs_eval_space_open(&study->space[index], &study->plan, c, err)) {
         hs_eval_case_close(c);
         return false;
     }

@@ -3,6 +3,7 @@
 #ifndef HS_EVAL_STUDY_H
 #define HS_EVAL_STUDY_H
 
+#include "base/progress.h"
 #include "eval/eval_case.h"
 #include "guarded/guard_options.h"
 #include "loop/loop_run.h"
@@ -83,7 +84,6 @@ typedef struct {
     hs_eval_axis threshold; /* T_B, "bone_threshold" in mode absolute: 0.5 .. 1 by 0.01 */
     hs_eval_axis kernel;    /* k, "kernel": 3 .. 63 by 4 */
     hs_eval_knob knob;      /* q: 0 .. 1.5 by 0.05, or 31 positions of another knob */
-    char identity[512];     /* plugin, its file's checksum, what was set: which results may be mixed */
 } hs_eval_plan;
 
 /* What the user set, and where he said nothing what the thesis studies: its filter, method=mean, of a plugin
@@ -102,36 +102,24 @@ uint32_t hs_eval_plan_items(const hs_eval_plan *plan);
 bool hs_eval_plan_values(const hs_eval_plan *plan, uint32_t item, hs_eval_values *values, hs_error *err);
 
 /* ----------------------------------------------------------------------------------------------- space -- */
-/* The results of a plan on one case; they can be put together from several runs. */
+/* The results of a plan on one case. */
 
 /* The results of one case. Item t * kernel.count + k; result item * knob.count + q. */
 typedef struct {
     const hs_eval_plan *plan;
-    char name[64];      /* of the case, letters, digits, '-' and '_' only */
-    char identity[700]; /* the plan's and the case's */
-    double volume_max;  /* 0 .. 1 */
-    uint32_t items, done_count;
-    uint64_t *seen;     /* bit q: the result is there */
+    char name[64];     /* of the case, letters, digits, '-' and '_' only */
+    double volume_max; /* 0 .. 1 */
+    uint32_t items;
     sv_status *outcome; /* of the plugin, per item */
     hs_measures *at;
 } hs_eval_space;
 
-/* Empty results for an open case; `request` goes into the identity. */
-bool hs_eval_space_open(hs_eval_space *space, const hs_eval_plan *plan, const hs_eval_case *c,
-                        const hs_eval_request *request, hs_error *err);
+/* Empty results for an open case. */
+bool hs_eval_space_open(hs_eval_space *space, const hs_eval_plan *plan, const hs_eval_case *c, hs_error *err);
 void hs_eval_space_close(hs_eval_space *space);
-bool hs_eval_space_done(const hs_eval_space *space, uint32_t item);
 
-/* Puts the result of one position of the knob where it belongs; items get done as theirs become whole. */
-void hs_eval_space_put(hs_eval_space *space, uint32_t item, uint32_t knob, sv_status outcome,
-                       const hs_measures *measures);
-
-/* Told of every item as soon as its results are there; false, with an error, ends the run. */
-typedef bool (*hs_eval_keep_fn)(void *context, const hs_eval_space *space, uint32_t item, hs_error *err);
-
-/* Runs the items that are not done yet, in their order. */
-bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_eval_keep_fn keep, void *context,
-                       hs_error *err);
+/* Runs all items, in their order. `progress` may be NULL. */
+bool hs_eval_space_run(hs_eval_space *space, hs_eval_case *c, hs_progress *progress, hs_error *err);
 
 /* --------------------------------------------------------------------------------------- best settings -- */
 /* What the parameter spaces say: the best setting of each case, and the one that is best for all (thesis 5.2,
@@ -240,7 +228,7 @@ bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, h
 
 /*
  * Cases are measured in their order, each in three steps. Begin opens the case, and its space without
- * results. Then the caller fills the space: from files, by hs_eval_space_run, or both. Finish measures this
+ * results. Then the caller fills the space by hs_eval_space_run. Finish measures this
  * case's share of options->check the direct way, keeps the plugin's first failure, and measures the plugin as
  * it is; only hs_eval_case_close may follow. If begin fails the case is closed.
  */

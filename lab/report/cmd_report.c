@@ -129,8 +129,7 @@ static void hs_report_line_help(void) {
         "Usage: host_sim report [options]\n"
         "Measures a plugin over the nine cases and its whole parameter space (thesis, chapter 5), and "
         "writes\n"
-        "CSV files, pictures and one page, index.html. A run that was ended goes on where it "
-        "stopped.\n"
+        "CSV files, pictures and one page, index.html.\n"
         "\n");
     hs_options_print(options);
     (void)printf("\n%s", hs_exit_codes_help);
@@ -142,15 +141,15 @@ static void hs_report_line_help(void) {
 
 /* ------------------------------------------------------------------------------ the parameter space -- */
 
-/* The space of an open case, from the folder's files and what they lack. */
+/* The space of an open case, and its file. */
 static bool fill_space(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
     const hs_eval_options *o = study->options;
     hs_eval_space *space = &study->space[index];
     hs_progress progress;
     hs_progress_begin(&progress, space->name, space->items);
-    const bool ok = hs_eval_csv_run(space, c, o->out, &progress, err);
+    const bool ok = hs_eval_space_run(space, c, &progress, err);
     hs_progress_end(&progress);
-    return ok;
+    return ok && hs_eval_csv_write(space, o->out, err);
 }
 
 /* The spaces of all cases, with a line on stderr per case. */
@@ -165,11 +164,10 @@ static bool run_cases(hs_eval_study *study, hs_error *err) {
         if (!ok) return false;
         const double so_far = hs_now() - start;
         const hs_eval_space *space = &study->space[i];
-        (void)fprintf(
-            stderr,
-            "host_sim report: %s: %u of %u settings x %u (%u of %u cases, %.0f s, about %.0f s left)\n",
-            space->name, space->done_count, space->items, study->plan.knob.count, i + 1, cases, so_far,
-            so_far / (i + 1) * (cases - i - 1));
+        (void)fprintf(stderr,
+                      "host_sim report: %s: %u settings x %u (%u of %u cases, %.0f s, about %.0f s left)\n",
+                      space->name, space->items, study->plan.knob.count, i + 1, cases, so_far,
+                      so_far / (i + 1) * (cases - i - 1));
     }
     return true;
 }

@@ -41,20 +41,9 @@ int hs_cmd_demo(int argc, char **argv);
 bool hs_report_line_parse(int argc, char **argv, hs_eval_options *options, bool *help, hs_error *err);
 
 /* --------------------------------------------------------------------------------- results on the disk -- */
-/* Results of a parameter space as CSV files, one row per setting (docs/evaluation.md lists the columns). A
- * run that was ended goes on from them. */
-
-/* Reads "space_<case>.csv" of the folder, if it is there. A last line that is cut off does not count.
- * HS_ERR_INPUT: a file of another identity, or a line that is no result, named with its number. */
-bool hs_eval_csv_load(hs_eval_space *space, const char *folder, hs_error *err);
-
-/*
- * Runs what "space_<case>.csv" in `folder` does not hold yet. Results go there as they come, so that a run
- * that was ended goes on where it stopped. `progress` may be NULL. HS_ERR_OUTPUT names the file that cannot
- * be written; the others are those of hs_eval_csv_load and hs_eval_case_measure.
- */
-bool hs_eval_csv_run(hs_eval_space *space, hs_eval_case *c, const char *folder, hs_progress *progress,
-                     hs_error *err);
+/* Writes the results of a parameter space, which is whole, to "space_<case>.csv" in `folder`, one row per
+ * setting (docs/evaluation.md lists the columns). HS_ERR_OUTPUT names the file that cannot be written. */
+bool hs_eval_csv_write(const hs_eval_space *space, const char *folder, hs_error *err);
 
 /* ---------------------------------------------------------------------------------------------- tables -- */
 /* Tables 5.2 and 5.3 as cells of text, for the terminal, the CSV files and the page alike. */

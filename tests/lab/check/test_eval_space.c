@@ -1,22 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* The parameter space: the quick way against the direct one, resuming, files that do not fit. */
+/* The parameter space: the quick way against the direct one, and the best settings. */
 #include "eval/eval_study.h"
-#include "report/report.h"
 #include "support/host_fixture.h"
 
 #include <math.h>
-#include <unistd.h>
 
 enum { SIZE = 64 };
 static const hs_eval_request request = {.name = "M01", .size = SIZE};
 
-/* The real plugin on a small scene, and an empty folder. */
+/* The real plugin on a small scene. */
 typedef struct {
     hs_cl cl;
     hs_plugin plugin;
     hs_eval_plan plan;
     hs_eval_case c;
-    char folder[64];
 } rig;
 
 static int open_rig(void **state) {
@@ -43,34 +40,11 @@ static int close_rig(void **state) {
     return 0;
 }
 
-static void make_folder(rig *r) {
-    (void)snprintf(r->folder, sizeof r->folder, "/tmp/sv_eval_XXXXXX");
-    assert_non_null(mkdtemp(r->folder));
-}
-
-static void path_in(const rig *r, const char *name, char *out, size_t bytes) {
-    (void)snprintf(out, bytes, "%s/%s", r->folder, name);
-}
-
-static void remove_folder(rig *r, const char *const *names, int count) {
-    char path[256];
-    for (int i = 0; i < count; i++) {
-        path_in(r, names[i], path, sizeof path);
-        (void)unlink(path);
-    }
-    assert_int_equal(rmdir(r->folder), 0); /* nothing else was left behind */
-}
-
 static hs_eval_space make_space(rig *r) {
     hs_eval_space space;
     hs_error err = {0};
-    if (!hs_eval_space_open(&space, &r->plan, &r->c, &request, &err)) fail_msg("%s", err.text);
+    if (!hs_eval_space_open(&space, &r->plan, &r->c, &err)) fail_msg("%s", err.text);
     return space;
-}
-
-static void run(rig *r, hs_eval_space *space) {
-    hs_error err = {0};
-    if (!hs_eval_csv_run(space, &r->c, r->folder, NULL, &err)) fail_msg("%s", err.text);
 }
 
 /* Table 5.1 as it stands, and a fifth of it. */
@@ -92,12 +66,11 @@ static void axes_are_those_of_the_thesis(void **state) {
  * comparison can fail: another position of the knob gives other errors. */
 static void quick_way_is_the_direct_one(void **state) {
     rig *r = *state;
-    const char *const files[] = {"space_M01.csv"};
     test_random random = {77};
     double elsewhere = 0;
-    make_folder(r);
+    hs_error err = {0};
     hs_eval_space space = make_space(r);
-    run(r, &space);
+    if (!hs_eval_space_run(&space, &r->c, NULL, &err)) fail_msg("%s", err.text);
     assert_int_equal(r->c.way, HS_KNOB_LINEAR);
     for (int n = 0; n < 60; n++) {
         const uint32_t item = test_next(&random) % space.items, q = test_next(&random) % r->plan.knob.count;
@@ -105,7 +78,6 @@ static void quick_way_is_the_direct_one(void **state) {
         hs_eval_values values;
         hs_measures direct;
         sv_status outcome;
-        hs_error err = {0};
         assert_true(hs_eval_plan_values(&r->plan, item, &values, &err));
         assert_true(hs_eval_values_add(&values, r->plan.knob.info.id, r->plan.knob.value[q], &err));
         if (!hs_eval_case_direct(&r->c, &values, &direct, &outcome, &err)) fail_msg("%s", err.text);
@@ -119,71 +91,6 @@ static void quick_way_is_the_direct_one(void **state) {
     }
     assert_true(elsewhere > 0.1);
     hs_eval_space_close(&space);
-    remove_folder(r, files, 1);
-}
-
-/* A run that was ended goes on; a cut-off line counts as not there, and is computed again. */
-static void a_run_goes_on_where_it_ended(void **state) {
-    rig *r = *state;
-    const char *const files[] = {"space_M01.csv"};
-    char path[256];
-    make_folder(r);
-    hs_eval_space whole = make_space(r), again = make_space(r);
-    run(r, &whole);
-    path_in(r, "space_M01.csv", path, sizeof path);
-    FILE *file = fopen(path, "r+");
-    assert_non_null(file);
-    assert_int_equal(fseek(file, 0, SEEK_END), 0);
-    assert_int_equal(ftruncate(fileno(file), ftell(file) / 2), 0);
-    (void)fclose(file);
-    hs_error err = {0};
-    assert_true(hs_eval_csv_load(&again, r->folder, &err));
-    assert_in_range(again.done_count, 18, 22); /* of 44 */
-    hs_eval_space_close(&again);
-    again = make_space(r);
-    run(r, &again);
-    assert_int_equal(again.done_count, again.items);
-    for (size_t i = 0; i < (size_t)whole.items * r->plan.knob.count; i++)
-        for (int m = 0; m < HS_MEASURE_COUNT; m++) {
-            const double a = (double)whole.at[i].of[m], b = (double)again.at[i].of[m];
-            assert_true(fabs(a - b) <= 1e-5 * fabs(a)); /* six digits in the file */
-        }
-    hs_eval_space_close(&again);
-    hs_eval_space_close(&whole);
-    remove_folder(r, files, 1);
-}
-
-static void write_text(const char *path, const char *first, const char *rest) {
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    (void)fprintf(file, "# %s\n%s", first, rest);
-    assert_int_equal(fclose(file), 0);
-}
-
-/* Results of other settings, and lines that are no results, are refused with file and line. */
-static void foreign_files_are_refused(void **state) {
-    rig *r = *state;
-    const char *const files[] = {"space_M01.csv"};
-    char path[256];
-    hs_error err = {0};
-    make_folder(r);
-    path_in(r, "space_M01.csv", path, sizeof path);
-    hs_eval_space space = make_space(r);
-    write_text(path, "another plugin", "");
-    assert_false(hs_eval_csv_load(&space, r->folder, &err));
-    unit_told(err, HS_ERR_INPUT, "other settings");
-    static const char *const rows[] = {"head\n0.5,0.4,3,0,0,1,2,3\n",
-                                       "head\n0.51,0.4,3,0,0,1,1,1,1,1,1,1,1,1,1,1\n",
-                                       "head\n0.5,0.4,3,0,0,1,1,x,1,1,1,1,1,1,1,1\n", "head\n\n"};
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        err = (hs_error){0};
-        write_text(path, space.identity, rows[i]);
-        assert_false(hs_eval_csv_load(&space, r->folder, &err));
-        assert_non_null(strstr(err.text, "line 3"));
-    }
-    assert_int_equal(space.done_count, 0);
-    hs_eval_space_close(&space);
-    remove_folder(r, files, 1);
 }
 
 /* Two cases whose maxima differ by three steps of 0.05: their best common setting is found by Delta_MI. */
@@ -222,5 +129,4 @@ static void common_setting_is_found_by_delta(void **state) {
 }
 
 UNIT_MAIN(open_rig, close_rig, cmocka_unit_test(axes_are_those_of_the_thesis),
-          cmocka_unit_test(quick_way_is_the_direct_one), cmocka_unit_test(a_run_goes_on_where_it_ended),
-          cmocka_unit_test(foreign_files_are_refused), cmocka_unit_test(common_setting_is_found_by_delta))
+          cmocka_unit_test(quick_way_is_the_direct_one), cmocka_unit_test(common_setting_is_found_by_delta))
