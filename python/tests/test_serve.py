@@ -337,24 +337,21 @@ def test_eight_clients_that_ask_for_the_largest_stay_within_the_limit() -> None:
 
 def test_a_checksum_lets_other_threads_work() -> None:
     data = bytes(48 << 20)
-    gaps, ends = [0.0], threading.Event()
+    turns, ends = [0], threading.Event()
 
-    def tick() -> None:
-        last = time.monotonic()
+    def take_turns() -> None:
         while not ends.wait(0.001):
-            now = time.monotonic()
-            gaps.append(now - last)
-            last = now
+            turns[0] += 1
 
-    thread = threading.Thread(target=tick)
+    thread = threading.Thread(target=take_turns)
     thread.start()
-    start = time.monotonic()
     assert CRC64(data[: 3 << 20] + b"x") == smartvis._igtl.messages().CRC64(data[: 3 << 20] + b"x")
+    before = turns[0]
     smartvis._igtl.messages().CRC64(data)
-    took = time.monotonic() - start
+    meanwhile = turns[0] - before
     ends.set()
     thread.join()
-    assert max(gaps) < took / 2
+    assert meanwhile > 10  # of 48 parts; one that holds the lock to its end lets the other in two or three times
 
 
 def test_a_port_that_is_taken_is_named(port: int) -> None:
