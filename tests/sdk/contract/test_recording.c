@@ -19,7 +19,6 @@ typedef struct {
     rig *r;
     uint8_t *volume;
     bool varies;
-    bool old;      /* frames tell no beams */
     uint32_t last; /* index of the last frame */
     sv_scanned ranges[RAYS];
     float depth[RAYS]; /* of the last frame */
@@ -75,10 +74,10 @@ static void record_frames(scene *s, rig_format how, uint32_t frames) {
         frame.index = n;
         for (int c = 0; c < 9; c += 4) frame.probe_rotation[c] = 1.0f;
         frame.probe_side[2] = -1.0f;
-        if (!s->old) frame.beams = SV_BEAMS_FAN;
-        if (!s->old) frame.beam_apex_mm[2] = -57.0f;
-        if (!s->old) frame.beam_sweep_mm = 23.0f;
-        if (!s->old && n > 0) frame.flags = SV_FRAME_SAME_VOLUME;
+        frame.beams = SV_BEAMS_FAN;
+        frame.beam_apex_mm[2] = -57.0f;
+        frame.beam_sweep_mm = 23.0f;
+        if (n > 0) frame.flags = SV_FRAME_SAME_VOLUME;
         CALL(s, RC_BEGIN, p->begin(p, &frame), .frame = &frame);
         rec_log(s->recording, SV_LOG_INFO, "a line");
         for (uint32_t i = 0; i < t->slab_count; i++) {
@@ -115,10 +114,10 @@ static census read_all(const char *path, const scene *s) {
             if (c.frames++ == 0) c.first_index = c.index;
             assert_int_equal(item.value_count, 1);
             assert_true(item.values[0].value == 11 && item.frame.probe_side[2] == -1.0f);
-            assert_int_equal(item.frame.flags, item.frame.index > 0 && !s->old ? SV_FRAME_SAME_VOLUME : 0);
-            assert_int_equal(item.frame.beams, s->old ? SV_BEAMS_UNKNOWN : SV_BEAMS_FAN);
-            assert_true(item.frame.beam_apex_mm[2] == (s->old ? 0.0f : -57.0f));
-            assert_true(item.frame.beam_sweep_mm == (s->old ? 0.0f : 23.0f));
+            assert_int_equal(item.frame.flags, item.frame.index > 0 ? SV_FRAME_SAME_VOLUME : 0);
+            assert_int_equal(item.frame.beams, SV_BEAMS_FAN);
+            assert_true(item.frame.beam_apex_mm[2] == -57.0f);
+            assert_true(item.frame.beam_sweep_mm == 23.0f);
             assert_int_equal(item.bytes, sizeof s->ranges);
             assert_memory_equal(item.data, s->ranges, sizeof s->ranges);
             if (s->varies) s->volume[0] = (uint8_t)(100 + item.frame.index);
@@ -170,39 +169,6 @@ static void carriers_come_back(void **state) {
         assert_int_equal(c.kinds[RC_END], 2);
         assert_int_equal(c.logs, 2);
     }
-}
-
-/* The recording as version 1 was written. */
-static void write_old(const char *path) {
-    static rec_item item;
-    char error[400];
-    const rec_header header = {REC_MAGIC, 1, 0};
-    sv_format format = {0};
-    rec_cursor c = {.writes = true, .version = 1, .format = &format};
-    rec_reader *r = rec_reader_open(path, error, sizeof error);
-    FILE *file = fopen("old.svr", "wb");
-    assert_true(r && file && fwrite(&header, sizeof header, 1, file) == 1);
-    for (int there = 1; there == 1;) {
-        there = rec_reader_next(r, &item, error, sizeof error);
-        if (there < 0) fail_msg("%s", error);
-        if (item.type == REC_CALL && item.kind == RC_ACTIVATE) format = item.format;
-        const size_t bytes = (item.bytes = 0, rec_item_chunk(&c, &item));
-        assert_true(bytes && fwrite(c.bytes, bytes, 1, file) == 1);
-    }
-    rec_reader_close(r);
-    free(c.bytes);
-    assert_int_equal(fclose(file), 0);
-    assert_int_equal(rename("old.svr", path), 0);
-}
-
-static void an_old_one_is_read(void **state) {
-    scene s;
-    open_scene(&s, *state, NULL);
-    s.old = true;
-    record_frames(&s, (rig_format){.carrier = SV_CARRIER_HOST}, 2);
-    close_scene(&s);
-    write_old(s.path);
-    assert_int_equal(read_whole(&s).frames, 2);
 }
 
 /* At least the last N while it runs, exactly these at the end; the activation stays before them. */
@@ -370,6 +336,6 @@ static void options_are_checked(void **state) {
     assert_non_null(strstr(error, "/nowhere/x: No such file"));
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(carriers_come_back), RIG_TEST(an_old_one_is_read),
-          RIG_TEST(a_ring_keeps_the_last), RIG_TEST(what_is_not_whole_is_told), RIG_TEST(a_fork_adds_nothing),
+UNIT_MAIN(NULL, NULL, RIG_TEST(carriers_come_back), RIG_TEST(a_ring_keeps_the_last),
+          RIG_TEST(what_is_not_whole_is_told), RIG_TEST(a_fork_adds_nothing),
           cmocka_unit_test(what_was_not_finished_is_kept), cmocka_unit_test(options_are_checked))

@@ -60,7 +60,7 @@ def form(
 
 
 def frame(ranges: bytes = struct.pack("<I", 0)) -> bytes:
-    return struct.pack("<IQQ12fI", 0, 0, 0, *[0.0] * 12, 0) + ranges
+    return struct.pack("<IQQ12fI4fI", 0, 0, 0, *[0.0] * 12, 0, *[0.0] * 4, 0) + ranges
 
 
 def slab(first: int = 0, count: int = 4, voxels: bytes = struct.pack("<I", 0)) -> bytes:
@@ -97,7 +97,7 @@ def adjusts(count: int, depths: int = 2) -> bytes:
     return count * done(ADJUST, struct.pack("<5I", 0, depths, 0, 0, 0))
 
 
-header = b"SVRECORD" + struct.pack("<II", 1, 0) + done(CREATE)
+header = b"SVRECORD" + struct.pack("<II", 2, 0) + done(CREATE)
 start = header + plugin()
 active = start + done(ACTIVATE, form())
 begun = active + done(BEGIN, frame())

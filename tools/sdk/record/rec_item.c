@@ -194,18 +194,15 @@ static uint64_t rays(const rec_cursor *c) {
 
 static void pass_frame(rec_cursor *c, rec_item *it) {
     sv_frame *f = &it->frame;
-    if (!c->writes) *f = (sv_frame){0}; /* what an older recording does not say */
     f->size = sizeof *f;
     PASS(c, f->flags);
     PASS(c, f->index);
     PASS(c, f->time_ns);
     PASS(c, f->probe_rotation);
     PASS(c, f->probe_side);
-    if (c->version > 1) {
-        PASS(c, f->beams);
-        PASS(c, f->beam_apex_mm);
-        PASS(c, f->beam_sweep_mm);
-    }
+    PASS(c, f->beams);
+    PASS(c, f->beam_apex_mm);
+    PASS(c, f->beam_sweep_mm);
     pass_values(c, it);
     PASS_LIMITED(c, it->ranges, REC_OBJECT);
     if (it->ranges) pass_data(c, it, rays(c) * sizeof(sv_scanned), "ranges");

@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 #define REC_MAGIC   "SVRECORD"
-#define REC_VERSION 2u /* 1 had no beams; it is still read */
+#define REC_VERSION 2u
 
 /* What a recording begins with. */
 typedef struct {
@@ -78,7 +78,6 @@ typedef struct {
     uint8_t *bytes; /* a writer's grow */
     size_t at, size;
     bool writes;
-    uint32_t version;        /* of the recording */
     const char *bad;         /* the field that cannot be, or NULL */
     const sv_format *format; /* the one that is active: sizes of maps and slabs; its width is 0 if none is */
 } rec_cursor;
@@ -97,7 +96,7 @@ uint32_t rec_sum(uint32_t type, const uint8_t *bytes, uint32_t length);
 
 typedef struct rec_reader rec_reader;
 
-/* Opens a recording of this version or an older one. NULL, and a sentence that names the file. */
+/* Opens a recording of this version. NULL, and a sentence that names the file. */
 rec_reader *rec_reader_open(const char *path, char *error, size_t bytes);
 
 /* The next item; its data are the reader's until the next call. 1: there is one, 0: the recording has ended

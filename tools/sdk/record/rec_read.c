@@ -12,7 +12,6 @@
 struct rec_reader {
     FILE *file;
     char path[1024];
-    uint32_t version;
     uint64_t at, size; /* bytes read, bytes of the file */
     uint32_t open;     /* 1 + the kind of the call under way; 0: none */
     bool sound, met;   /* that call is sound; the plugin has been described */
@@ -61,12 +60,11 @@ rec_reader *rec_reader_open(const char *path, char *error, size_t bytes) {
         r->size = (uint64_t)size;
         if (!take(r, &header, sizeof header) || memcmp(header.magic, REC_MAGIC, sizeof header.magic) != 0)
             (void)snprintf(error, bytes, "%s: is no recording: it does not begin with %s", path, REC_MAGIC);
-        else if (header.version < 1 || header.version > REC_VERSION)
-            (void)snprintf(error, bytes, "%s: version is %u, this program reads 1 to %u", path,
-                           header.version, REC_VERSION);
+        else if (header.version != REC_VERSION)
+            (void)snprintf(error, bytes, "%s: version is %u, this program reads %u", path, header.version,
+                           REC_VERSION);
         else
-            r->version = header.version;
-        if (r->version) return r;
+            return r;
     }
     rec_reader_close(r);
     return NULL;
@@ -130,7 +128,7 @@ int rec_reader_next(rec_reader *r, rec_item *item, char *error, size_t bytes) {
         return broken(r, start, error, bytes, "the recording is cut off here", "");
     if (sum != rec_sum(head[0], chunk, head[1]))
         return broken(r, start, error, bytes, "this part is damaged: its checksum is another one", "");
-    rec_cursor c = {.bytes = chunk, .size = head[1], .version = r->version, .format = &r->format};
+    rec_cursor c = {.bytes = chunk, .size = head[1], .format = &r->format};
     item->type = (rec_type)head[0];
     rec_item_pass(&c, item);
     r->data = item->data;

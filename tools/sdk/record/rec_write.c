@@ -76,7 +76,6 @@ static void put(rec *r, const void *data, size_t bytes) {
 static void put_item(rec *r) {
     rec_cursor *c = &r->chunk;
     c->format = &r->format;
-    c->version = REC_VERSION;
     r->item.bytes = 0;
     const size_t bytes = rec_item_chunk(c, &r->item);
     if (bytes)
