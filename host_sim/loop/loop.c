@@ -166,6 +166,7 @@ static bool create_clipper(hs_loop *loop, const hs_plugin *plugin, bool gaps, hs
 static bool create_parts(hs_loop *loop, const hs_plugin *plugin, hs_error *err) {
     const hs_volume *first;
     hs_slab_layout checked;
+    loop->crops = loop->source->crops;
     loop->box = find_box(hs_source_shape(loop->source), &loop->options);
     return make_layout(loop, &checked, err) &&
            (loop->screen = hs_screen_create(loop->cl, &loop->options.dvr, err)) &&
@@ -272,10 +273,13 @@ void hs_loop_look(hs_loop *loop, double yaw, double pitch, double roll, double z
 /* The volume of frame `index` on the device: a sequence's or a live scan's arrives anew. */
 bool hs_loop_bring(hs_loop *loop, uint32_t index, hs_error *err) {
     const uint32_t wanted = index % loop->source->count;
-    if (wanted == loop->resident && !loop->options.live) return true;
+    const bool same_box = loop->crops == loop->source->crops;
+    if (wanted == loop->resident && same_box && !loop->options.live) return true;
     const hs_volume *volume = hs_source_bring(loop->source, wanted, err);
     if (!volume) return false;
     loop->resident = wanted;
+    loop->crops = loop->source->crops;
+    loop->has_before &= same_box;
     return hs_device_volume_replace(loop->volume, volume, err) &&
            hs_screen_prepare(loop->screen, loop->volume, err);
 }

@@ -19,6 +19,7 @@ struct hs_loop {
     hs_screen *screen;
     hs_device_volume *volume;
     uint32_t resident; /* index into source->volumes of the volume on the device */
+    uint32_t crops;    /* source->crops of that volume */
     bool has_before;   /* the plugin has had a frame: number `before` */
     uint32_t before;
     bool turned;    /* the camera, since that frame */

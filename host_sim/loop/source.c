@@ -8,6 +8,7 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define STREAM_VOLUMES 3u /* in memory at most: the one in use, and the two that come next */
 
@@ -226,6 +227,8 @@ void hs_source_close(hs_source *source) {
     hs_stream_close(source->stream);
     hs_sequence_close(source->sequence);
     if (source->file) hs_volume_free(source->file);
+    for (int i = 0; source->cropped && i < 2; i++) free(source->cropped[i].volume.voxels);
+    free(source->cropped);
     free(source->file);
     free(source->scenes);
     free(source->truths);
@@ -233,13 +236,64 @@ void hs_source_close(hs_source *source) {
     *source = (hs_source){0};
 }
 
-const hs_volume *hs_source_shape(const hs_source *source) {
+/* ---------------------------------------------------------------------------------------------- crop -- */
+
+static const hs_volume *whole_shape(const hs_source *source) {
     return source->stream ? hs_stream_shape(source->stream) : source->volumes[0];
 }
 
+static bool make_room(hs_source *source, hs_error *err) {
+    const size_t count = hs_volume_count(whole_shape(source));
+    source->cropped = calloc(2, sizeof *source->cropped);
+    bool ok = source->cropped != NULL;
+    for (int i = 0; ok && i < (source->truths ? 2 : 1); i++)
+        ok = (source->cropped[i].volume.voxels = malloc(count)) != NULL;
+    if (ok) return true;
+    for (int i = 0; source->cropped && i < 2; i++) free(source->cropped[i].volume.voxels);
+    free(source->cropped);
+    source->cropped = NULL;
+    return hs_fail(err, HS_ERR_MEMORY, "box: no memory for %zu voxels", count);
+}
+
+/* All but the voxels. */
+static void take_shape(hs_cropped *cropped, const hs_volume *whole) {
+    uint8_t *voxels = cropped->volume.voxels;
+    cropped->volume = *whole;
+    cropped->volume.voxels = voxels;
+    cropped->volume.beams = NULL;
+    cropped->filled = false;
+}
+
+bool hs_source_crop(hs_source *source, const hs_crop *crop, hs_error *err) {
+    if (hs_crop_same(crop, &source->crop)) return true;
+    if (crop->used && !hs_crop_check(crop, whole_shape(source), err)) return false;
+    if (crop->used && !source->cropped && !make_room(source, err)) return false;
+    source->crop = *crop;
+    source->crops++;
+    for (int i = 0; i < 2; i++) take_shape(&source->cropped[i], whole_shape(source));
+    return true;
+}
+
+static const hs_volume *crop_of(const hs_source *source, const hs_volume *whole, int which, uint32_t index) {
+    if (!source->crop.used || !whole || !source->cropped[which].volume.voxels) return whole;
+    hs_cropped *cropped = &source->cropped[which];
+    if (cropped->filled && cropped->index == index) return &cropped->volume;
+    take_shape(cropped, whole);
+    memcpy(cropped->volume.voxels, whole->voxels, hs_volume_count(whole));
+    hs_crop_apply(&source->crop, whole, cropped->volume.voxels);
+    cropped->index = index;
+    cropped->filled = true;
+    return &cropped->volume;
+}
+
+const hs_volume *hs_source_shape(const hs_source *source) {
+    return source->crop.used ? &source->cropped[0].volume : whole_shape(source);
+}
+
 const hs_volume *hs_source_bring(const hs_source *source, uint32_t index, hs_error *err) {
-    return source->stream ? hs_stream_get(source->stream, index % source->count, err)
-                          : source->volumes[index % source->count];
+    const uint32_t at = index % source->count;
+    const hs_volume *whole = source->stream ? hs_stream_get(source->stream, at, err) : source->volumes[at];
+    return crop_of(source, whole, 0, at);
 }
 
 const hs_volume *hs_source_volume(const hs_source *source, uint32_t index) {
@@ -248,7 +302,8 @@ const hs_volume *hs_source_volume(const hs_source *source, uint32_t index) {
 }
 
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index) {
-    return source->truths ? source->truths[index % source->count] : NULL;
+    const uint32_t at = index % source->count;
+    return source->truths ? crop_of(source, source->truths[at], 1, at) : NULL;
 }
 
 const hs_scene_data *hs_source_scene_data(const hs_source *source, uint32_t index) {

@@ -5,9 +5,17 @@
 
 #include "loop/sequence.h"
 #include "scene/scene.h"
+#include "volume/crop.h"
 
 /* Volumes of a sequence that a thread of their own reads ahead. */
 typedef struct hs_stream hs_stream;
+
+/* A volume of which a box is left. */
+typedef struct {
+    hs_volume volume; /* without beams: it is Cartesian */
+    uint32_t index;
+    bool filled; /* with volume `index` */
+} hs_cropped;
 
 /* One or more volumes of the same size and spacing; a loop over more frames than volumes starts again at the
  * first. Owned by the caller. */
@@ -21,6 +29,9 @@ typedef struct {
     hs_sequence *sequence;     /* the files; NULL for scenes */
     uint32_t left_out;         /* volumes of the files that are invalid, as they say themselves */
     hs_stream *stream;         /* several volumes, read as they are played: `volumes` is NULL then */
+    hs_crop crop;              /* all volumes and truths are told with this box alone */
+    uint32_t crops;            /* counts its changes */
+    hs_cropped *cropped;       /* a volume and a truth; NULL until there is a box */
 } hs_source;
 
 /* Reads `count` files, MetaImage (.mha, .mhd) or Kretz (.vol), each of one volume or of a sequence; `paths`
@@ -43,6 +54,12 @@ bool hs_source_open_scene(hs_source *source, const hs_source_scene *what, hs_err
 
 /* Frees everything. Safe on a zeroed struct. */
 void hs_source_close(hs_source *source);
+
+/* Leaves a box of all volumes and truths: what lies outside was not scanned. One in probe geometry is its
+ * Cartesian copy then, so loops on it must be built anew where the box comes or goes; others bring the
+ * volume anew. What was brought before must not be used any more. HS_ERR_INPUT: it holds no voxel;
+ * HS_ERR_MEMORY. The source is as it was then. */
+bool hs_source_crop(hs_source *source, const hs_crop *crop, hs_error *err);
 
 /* Size, spacing, geometry and name of all its volumes; no voxels that may be read. */
 const hs_volume *hs_source_shape(const hs_source *source);

@@ -331,6 +331,7 @@ static bool write_volume(writing *w, uint32_t index) {
     hs_metaimage_stream **out = w->streams;
     w->report->clipped += w->maps.frame.clipped;
     if (w->mask) hs_result_mask(&w->maps, volume, w->mask);
+    if (w->mask && w->source->crop.used) hs_crop_apply(&w->source->crop, volume, w->mask);
     return (!out[0] || write_depthmap(w, out[0])) && (!out[1] || write_confidence(w, out[1])) &&
            (!out[2] || hs_metaimage_stream_write(out[2], w->maps.status, rays)) &&
            (!out[3] || write_clipped(w, index, out[3])) &&

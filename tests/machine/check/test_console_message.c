@@ -21,6 +21,7 @@ static const char *const parts[][2] = {
                "\"ghost_doubt\":2,\"exposure\":1}"},
     {"lanes", "[{\"plugin\":0,\"values\":{\"q\":0.25,\"method\":1}},{\"plugin\":1,\"values\":{}}]"},
     {"marks", "[[60,50,-0.25,5,0],[1,2,3,4.5,1]]"},
+    {"box", "[1,2,3,40,50.5,60]"},
 };
 enum { PARTS = sizeof parts / sizeof *parts };
 
@@ -80,6 +81,7 @@ static void a_state_arrives_as_it_was_meant(void **unused) {
     assert_int_equal(s->mark_count, 2);
     assert_true(s->marks[0].place[2] == -0.25 && s->marks[0].radius == 5 && s->marks[0].keep == 0);
     assert_true(s->marks[1].place[0] == 1 && s->marks[1].radius == 4.5 && s->marks[1].keep == 1);
+    assert_true(s->crop.used && s->crop.low[2] == 3 && s->crop.high[1] == 50.5);
 }
 
 static void a_file_and_one_lane_are_a_state_too(void **unused) {
@@ -210,6 +212,8 @@ static void a_wrong_field_is_named(void **unused) {
         {"marks", "[[1,2,3,4]]", "marks: expected 5 numbers"},
         {"marks", "[[1,2,3,0,1]]", "marks: a radius of 0 mm"},
         {"marks", "[[1e9,2,3,4,1]]", "marks: 1e+09 is outside"},
+        {"box", "[1,2,3,4,5]", "box: expected 6 numbers"},
+        {"box", "{}", "box: expected 6 numbers"},
         {"lanes", "[]", "lanes: expected 1 .. 2"},
         {"lanes", "[1]", "lanes: expected an object"},
         {"lanes", "[{\"plugin\":0}]", "lanes: 'values' is missing"},

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* hs_volume: limits, and the unscanned region against a plain flood fill. */
 #include "support/host_fixture.h"
+#include "volume/crop.h"
 #include "volume/volume.h"
 
 #include <limits.h>
@@ -242,6 +243,25 @@ static void a_volume_is_filled_in_pieces(void **state) {
     }
 }
 
+/* The ends count, and what rounding leaves of them. */
+static void a_box_keeps_what_lies_in_it(void **state) {
+    hs_error err = {0};
+    (void)state;
+    hs_volume volume = make(5, 6, 7);
+    for (int k = 0; k < 3; k++) volume.spacing[k] = 0.1;
+    hs_raise_zeros(volume.voxels, hs_volume_count(&volume));
+    const hs_crop crop = {true, {0.1 * 3 - 0.2, -9, 0.25}, {0.1 + 0.2, 0.24, 9}};
+    assert_true(hs_crop_check(&crop, &volume, &err));
+    hs_crop_apply(&crop, &volume, volume.voxels);
+    for (uint32_t z = 0; z < 7; z++)
+        for (uint32_t y = 0; y < 6; y++)
+            for (uint32_t x = 0; x < 5; x++)
+                assert_int_equal(volume.voxels[(z * 6 + y) * 5 + x], x >= 1 && x <= 3 && y <= 2 && z >= 3);
+    const hs_crop none = {true, {0.11, 0, 0}, {0.19, 1, 1}};
+    assert_false(hs_crop_check(&none, &volume, &err));
+    assert_non_null(strstr(err.text, "holds no voxel"));
+}
+
 static void the_first_failure_is_told(void **state) {
     hs_volume volume = make(FILL_X, FILL_Y, FILL_Z);
     for (uint32_t threads = 1; threads <= 8; threads++)
@@ -260,4 +280,4 @@ UNIT_MAIN(NULL, NULL, cmocka_unit_test(sizes_outside_the_limits_are_refused),
           cmocka_unit_test(a_winding_tunnel_is_followed_to_its_end),
           cmocka_unit_test(diagonal_neighbours_do_not_connect), cmocka_unit_test(extremes_keep_their_meaning),
           cmocka_unit_test(the_fill_does_not_recurse), cmocka_unit_test(a_volume_is_filled_in_pieces),
-          cmocka_unit_test(the_first_failure_is_told))
+          cmocka_unit_test(the_first_failure_is_told), cmocka_unit_test(a_box_keeps_what_lies_in_it))

@@ -4,6 +4,7 @@
 import math
 import os
 import sys
+import zlib
 
 from console_client import holds
 from console_look import RESULT, a_page, all_pixels, as_run_draws_it, choose, pixels, run_of, settle
@@ -230,6 +231,74 @@ def the_lamp(b, work):
     holds(pixels(b, "result") == before, "undo gives another light")
 
 
+def drag_side(b, view, place, to):
+    """From a place of a slice to another one, both 0 .. 1 right and down."""
+    wide = b.run("const s = canvases[arguments[0]].screen; s.scrollIntoView({ block: 'center' }); return s.clientWidth", view)
+    b.drag(f".screen[data-view={view}]", *([round((x - 0.5) * wide) for x in at] for at in (place, to)))
+    settle(b, "a side of the box, dragged")
+
+
+def the_box(b, console, work):
+    b.run("resetCamera(); clearMarks(); state.cross = [0.5, 0.5, 0.5]")
+    settle(b, "no box")
+    before = all_pixels(b)
+    b.keys("body", "b")
+    settle(b, "the box")
+    holds(b.run("return state.box") == [11.9] * 3 + [106.9] * 3, f"a new box is {b.run('return state.box')}")
+    cut = all_pixels(b)
+    holds(all(before[view] != cut[view] for view in before), "the box changes not all views")
+    low, high = b.run("return [state.box[0], lastFigures.source.window_mm]")
+    drag_side(b, "across", (low / high, 0.4), (0.4, 0.4))
+    box = b.run("return state.box")
+    holds(abs(box[0] - 0.4 * high) < 0.02 * high and b.run("return state.cross") == [0.5, 0.5, 0.5], f"dragged to {box} of {high} mm")
+    for view in ("full", "deep"):
+        left, right = b.run("""const c = canvases[arguments[0]].canvas, d = c.getContext('2d').getImageData(0, 0, 512, 512).data;
+            const low = 512 * state.box[0] / lastFigures.source.window_mm - 10, most = [0, 0];
+            for (let i = 0; i < 512 * 512; i++) { const k = i % 512 < low ? 0 : 1; most[k] = Math.max(most[k], d[4 * i]); } return most;""", view)
+        holds(left < 40 < 120 < right, f"{view}: beside the box it is {left} bright, in it {right}")
+    as_run_draws_it(b, HOST_SIM, work, "a box")
+    shoot(b, "box", 1280)
+    b.run("turn(30, 20); roll(10)")
+    settle(b, "turned")
+    corners = b.run("return Object.keys(AXES).map((view) => boxIn(view))")
+    holds(all(3 <= len(one) <= 10 and all(-1e-9 <= x <= 1 + 1e-9 for place in one for x in place) for one in corners), f"the turned box is {corners}")
+    as_run_draws_it(b, HOST_SIM, work, "a turned box")
+    shoot(b, "box_turned", 1280)
+    b.wait_for("addressDue === 0", "the address")
+    hash_, shown = b.run("return location.hash"), pixels(b, "result")
+    b.open("about:blank")
+    b.open(console.address + hash_)
+    settle(b, "the address")
+    holds(b.run("return state.box") == box and pixels(b, "result") == shown, "the address opens another box")
+    b.run("resetCamera()")
+    settle(b, "from the front")
+    field = "#box-bar input[data-side='3']"
+    b.run(f"const f = document.querySelector(\"{field}\"); f.value = 60; f.dispatchEvent(new Event('change'))")
+    settle(b, "a side by its field")
+    holds(b.run("return state.box[3]") == 60, "the field does nothing")
+    b.click("#write")
+    b.wait_for("at('written').textContent", "the written results")
+    with open(os.path.join(work, "out", "0002", "mask.mha"), "rb") as a, \
+         open(os.path.join(run_of(b, HOST_SIM, work, "--write", "mask"), "mask.mha"), "rb") as other:
+        mask = a.read()
+        holds(mask == other.read(), "the command line's mask is another one")
+    voxels, first = zlib.decompress(mask[mask.index(b"LOCAL\n") + 6:]), math.ceil(box[0] / 1.25)
+    holds(max(voxels[i + 96 * j] for i in range(first) for j in range(96 * 96)) == 0 < max(voxels), "what lies beside the box is not removed")
+    for size in ((390, 844), (1440, 1000)):
+        width(b, *size)
+        holds(b.run("return document.documentElement.scrollWidth") <= size[0], f"wider than {size[0]} pixels")
+        b.run("at('slices').scrollIntoView()")
+        shoot(b, "box", size[0])
+    b.click("#box")
+    settle(b, "no box again")
+    holds(b.run("return state.box") == [] and all_pixels(b) == before, "what was before the box does not come back")
+    b.click("#undo")
+    settle(b, "undo of its end")
+    holds(b.run("return state.box[3]") == 60 and pixels(b, "result") != before["result"], "undo does not bring the box back")
+    b.click("#box")
+    settle(b, "no box at last")
+
+
 def main():
     with a_page(BUILD, "#scene=M03,96,1", []) as (b, console, work):
         settle(b, "the first frame")
@@ -241,6 +310,7 @@ def main():
         by_touch(b)
         with_two_results(b)
         the_lamp(b, work)
+        the_box(b, console, work)
     print("ok")
 
 

@@ -168,7 +168,7 @@ class Page:
                  "hurried": False, "play": {"on": False, "speed": 20, "index": 0}, "cross": [0.5, 0.5, 0.5],
                  "render": {"look": "thesis", "light": [-35, 40], "t_low": 0.1588, "t_high": 0.45, "ghost_width": 0,
                             "ghost_offset": 0, "ghost_doubt": 2, "exposure": 1.5},
-                 "lanes": [{"plugin": 0, "values": {}}], "marks": []}
+                 "lanes": [{"plugin": 0, "values": {}}], "marks": [], "box": []}
         state.update(changes)
         return state
 

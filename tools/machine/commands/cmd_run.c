@@ -118,6 +118,12 @@ static json_t *describe(const hs_run *run, bool *ok) {
         json_pack("{s:s, s:f, s:f, s:f, s:f}", "from", hs_from_name(o->from), "yaw", o->yaw, "pitch",
                   o->pitch, "roll", o->roll, "orbit", o->orbit),
         ok);
+    const hs_crop *c = &run->source.crop;
+    if (c->used)
+        put(root, "render_box_mm",
+            json_pack("[f, f, f, f, f, f]", c->low[0], c->low[1], c->low[2], c->high[0], c->high[1],
+                      c->high[2]),
+            ok);
     put(root, "picture", json_pack("[i, i]", (int)o->dvr.width, (int)o->dvr.height), ok);
     return root;
 }

@@ -59,7 +59,8 @@ static bool open_volumes(hs_run *run, hs_error *err) {
 }
 
 static bool open_source(hs_run *run, hs_error *err) {
-    const hs_volume *first = open_volumes(run, err) ? hs_source_bring(&run->source, 0, err) : NULL;
+    const bool open = open_volumes(run, err) && hs_source_crop(&run->source, &run->request.crop, err);
+    const hs_volume *first = open ? hs_source_bring(&run->source, 0, err) : NULL;
     if (first) run->unscanned = hs_unscanned_share(first);
     return first != NULL;
 }

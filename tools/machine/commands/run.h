@@ -21,6 +21,7 @@ typedef struct {
     hs_metaimage_options read;
     hs_source_scanned scanned; /* of the volumes */
     hs_kretz_options kretz;
+    hs_crop crop;            /* of the volumes */
     const char *const *sets; /* key=value for the plugin's parameters */
     uint32_t set_count;
     hs_loop_options loop; /* values are filled in from sets */

@@ -43,6 +43,18 @@ static bool take_remove(void *target, const char *text, hs_error *err) {
     return take_mark(target, "--remove", text, false, err);
 }
 
+static bool take_box(void *target, const char *text, hs_error *err) {
+    hs_crop *const crop = target;
+    double ends[6];
+    if (!hs_cli_numbers("--box", text, "X,Y,Z,X,Y,Z (mm), two corners", -1e4, 1e4, 6, 6, ends, err))
+        return false;
+    for (int k = 0; k < 3; k++) {
+        crop->low[k] = ends[k];
+        crop->high[k] = ends[3 + k];
+    }
+    return (crop->used = true);
+}
+
 static bool take_padding(void *target, const char *text, hs_error *err) {
     static const char *const names[] = {"auto", "none", "all"};
     hs_run_line *const line = target;
@@ -160,6 +172,10 @@ static const hs_option options[] = {
     {"moving", "N", "N volumes of the scene's motion, one a frame, 1 .. 16 [1: it stands still]\n",
      HS_OPTION_COUNT, AT(scene.volumes), 1, 16, NULL},
     {"real", "FILE", "the volume of a scene of kind real\n", HS_OPTION_TEXT, AT(scene.real), 0, 0, NULL},
+    {"box", "X,Y,Z,X,Y,Z",
+     "looks at this part alone: two corners, mm from the centre of the first voxel, the lower\n"
+     "one first; what lies outside counts as not scanned\n",
+     HS_OPTION_TAKEN, AT(crop), 0, 0, take_box},
     {"live", NULL, "uploads every frame's volume anew, as a live scan does\n", HS_OPTION_FLAG, AT(loop.live),
      0, 0, NULL},
     HS_OPTIONS_GROUP("Plugin:"),

@@ -82,6 +82,7 @@ typedef struct {
     hs_console_lane lane[HS_CONSOLE_LANES]; /* lane 0 is always used */
     hs_mark marks[HS_MARKS_MAX];            /* for all lanes */
     uint32_t mark_count;
+    hs_crop crop; /* what is looked at */
 } hs_console_state;
 
 /* -------------------------------------------------------------------------------------------- messages -- */

@@ -135,15 +135,26 @@ static void put_camera(FILE *out, const hs_console_stage *stage) {
     }
 }
 
+/* Numbers with commas between them. */
+static void put_numbers(FILE *out, const char *option, const double *values, int count) {
+    for (int k = 0; k < count; k++) {
+        char text[32];
+        number_text(values[k], text, sizeof text);
+        (void)fprintf(out, "%s%s", k > 0 ? "," : option, text);
+    }
+}
+
+static void put_box(FILE *out, const hs_crop *crop) {
+    if (!crop->used) return;
+    put_numbers(out, " --box ", crop->low, 3);
+    put_numbers(out, ",", crop->high, 3);
+}
+
 static void put_marks(FILE *out, const hs_console_state *s) {
     for (uint32_t i = 0; i < s->mark_count; i++) {
         const hs_mark *m = &s->marks[i];
         const double values[4] = {m->place[0], m->place[1], m->place[2], m->radius};
-        for (int k = 0; k < 4; k++) {
-            char text[32];
-            number_text(values[k], text, sizeof text);
-            (void)fprintf(out, "%s%s", k > 0 ? "," : m->keep ? " --keep " : " --remove ", text);
-        }
+        put_numbers(out, m->keep ? " --keep " : " --remove ", values, 4);
     }
 }
 
@@ -163,6 +174,7 @@ char *hs_console_line(const hs_console_stage *stage, uint32_t lane) {
     put_plugin(out, stage, &stage->lane[lane]);
     put_camera(out, stage);
     put_renderer(out, &stage->state);
+    put_box(out, &stage->state.crop);
     put_marks(out, &stage->state);
     put_frames(out, stage);
     if (fclose(out) == 0) return text;

@@ -265,6 +265,16 @@ static bool read_marks(const json_t *array, hs_console_state *state, hs_error *e
     return true;
 }
 
+/* [x, y, z, x, y, z], or [] for all of the volume. */
+static bool read_box(const json_t *array, hs_crop *crop, hs_error *err) {
+    double ends[6] = {0};
+    crop->used = !json_is_array(array) || json_array_size(array) > 0;
+    if (crop->used && !numbers_of(array, "box", 6, -1e4, 1e4, ends, err)) return false;
+    memcpy(crop->low, ends, sizeof crop->low);
+    memcpy(crop->high, ends + 3, sizeof crop->high);
+    return true;
+}
+
 static bool read_views(const json_t *array, uint32_t *views, hs_error *err) {
     if (!json_is_array(array) || json_array_size(array) > HS_CONSOLE_VIEWS)
         return hs_fail(err, HS_ERR_INPUT, "message: views: expected at most %d", HS_CONSOLE_VIEWS);
@@ -280,8 +290,9 @@ static bool read_views(const json_t *array, uint32_t *views, hs_error *err) {
 }
 
 static bool read_state(const json_t *root, hs_console_state *s, hs_error *err) {
-    static const char *const keys[] = {"type",    "serial", "source", "camera", "views", "picture", "draft",
-                                       "hurried", "play",   "cross",  "render", "lanes", "marks",   NULL};
+    static const char *const keys[] = {"type",    "serial", "source",  "camera", "views",
+                                       "picture", "draft",  "hurried", "play",   "cross",
+                                       "render",  "lanes",  "marks",   "box",    NULL};
     return hs_console_object(root, "state", keys, err) &&
            hs_console_whole(root, "serial", 0, MAX_SERIAL, &s->serial, err) &&
            read_source(json_object_get(root, "source"), &s->source, err) &&
@@ -294,7 +305,8 @@ static bool read_state(const json_t *root, hs_console_state *s, hs_error *err) {
            hs_console_numbers(root, "cross", 3, 0, 1, s->cross, err) &&
            read_render(json_object_get(root, "render"), &s->dvr, err) &&
            read_lanes(json_object_get(root, "lanes"), s, err) &&
-           read_marks(json_object_get(root, "marks"), s, err);
+           read_marks(json_object_get(root, "marks"), s, err) &&
+           read_box(json_object_get(root, "box"), &s->crop, err);
 }
 
 static bool read_mark(const json_t *root, hs_console_message *out, hs_error *err) {

@@ -248,7 +248,12 @@ static void put_directions(json_t *source, const hs_camera *camera, const hs_vol
     static const uint32_t voxels[3] = {1, 1, 1};
     char words[160];
     hs_told told;
-    double axes[9];
+    double axes[9], middle[3];
+    json_t *list = json_array();
+    for (int i = 0; i < 9; i++) (void)json_array_append_new(list, json_real(camera->rotation[i]));
+    hs_marks_place(volume, camera, (const double[3]){0.0, 0.0, 0.0}, middle);
+    put(source, "axes", list); /* of the picture, in the volume: the camera's rotation */
+    put(source, "middle", json_pack("[f, f, f]", middle[0], middle[1], middle[2]));
     hs_camera_tell(camera, volume, voxels, &told);
     if (hs_probe_is_known(volume))
         put(source, "probe",

@@ -103,7 +103,8 @@ static bool draw_slice(hs_console_stage *stage, hs_slice_plane plane, const hs_m
                         .slices = maps->slices,
                         .depth = maps->depth,
                         .confidence = maps->confidence,
-                        .band_mm = BAND_MM};
+                        .band_mm = BAND_MM,
+                        .crop = stage->source.crop.used ? &stage->source.crop : NULL};
     for (int k = 0; k < 3; k++) {
         s.low[k] = 0.5 - 0.5 * share;
         s.side[k] = share;

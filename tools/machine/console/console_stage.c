@@ -73,6 +73,18 @@ static bool change_source(hs_console_stage *stage, const hs_console_state *state
     return true;
 }
 
+/* A box of the volume, or all of it; what is in probe geometry has loops of another kind with one. */
+static bool follow_box(hs_console_stage *stage, const hs_crop *crop, hs_error *err) {
+    const bool had_beams = hs_source_shape(&stage->source)->beams != NULL;
+    if (hs_crop_same(crop, &stage->source.crop)) return true;
+    if (!hs_source_crop(&stage->source, crop, err)) return false;
+    end_truth(stage);
+    if ((hs_source_shape(&stage->source)->beams != NULL) != had_beams) end_loops(stage);
+    for (int i = 0; i < HS_CONSOLE_LANES; i++) hs_lane_needs(&stage->lane[i], HS_LANE_CONVERT);
+    stage->scene_epoch++;
+    return true;
+}
+
 /* ------------------------------------------------------------------------------------------- lanes -- */
 
 /* The loop draws no picture of its own: the stage's screen does. */
@@ -239,6 +251,7 @@ bool hs_console_stage_show(hs_console_stage *stage, const hs_console_state *stat
         stage->scene_epoch++;
         end_loops(stage);
     }
+    if (!follow_box(stage, &state->crop, err)) return can_go_on(stage, err) ? false : give_up(stage);
     if (!follow_lanes(stage, state, err)) return can_go_on(stage, err) ? false : give_up(stage);
     if (!follow_screen(stage, state, err)) return give_up(stage);
     follow_camera(stage, state, index);

@@ -137,6 +137,7 @@ function showFigures(text) {
   placeDirections(text.source);
   drawMeasured();
   drawMarks();
+  drawBox();
   rows("times", STAGES.map(([key, colour]) => [STAGE_NAMES[key], milliseconds(text.ms[key]), colour]).concat([["all", milliseconds(text.ms.all)]]));
   const source = text.source;
   const two = text.lanes.length > 1;

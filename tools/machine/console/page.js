@@ -53,7 +53,7 @@ function takeSource() {
   }
   state.play.index = 0;
   if (sourceKey(state.source) !== sourceKey(before)) forgetConsent();
-  if (!sameSource({ ...state.source, from: before.from }, before)) state.marks = []; /* they lie in another volume */
+  if (!sameSource({ ...state.source, from: before.from }, before)) Object.assign(state, { marks: [], box: [] }); /* they lie in another volume */
   showChosenSource();
   changed(false);
 }
@@ -202,6 +202,7 @@ function showSettings() {
   showChosenSource();
   buildRenderer();
   layOut();
+  drawBox();
   buildControls();
 }
 
@@ -215,7 +216,7 @@ function onKey(event) {
   if (event.ctrlKey || event.metaKey) return;
   const next = { off: "side", side: "wipe", wipe: "off" };
   const keys = {
-    m: () => measure(!measured.on), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), l: () => at("lamp").click(), f: () => play(!state.play.on),
+    m: () => measure(!measured.on), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), b: toggleBox, l: () => at("lamp").click(), f: () => play(!state.play.on),
     "[": () => nudgePrimary(-1), "]": () => nudgePrimary(1), ",": () => stepBy(-1), ".": () => stepBy(1),
     c: () => compare(next[look.compare]), s: () => at("slices-on").click(),
   };
@@ -235,6 +236,7 @@ function listen() {
   at("third").addEventListener("change", () => { look.third = at("third").value; layOut(); changed(false); });
   at("compare").addEventListener("change", () => compare(at("compare").value));
   at("measure").addEventListener("click", () => measure(!measured.on));
+  at("box").addEventListener("click", toggleBox);
   document.addEventListener("pointerdown", () => noteHand(true), true);
   for (const end of ["pointerup", "pointercancel"]) document.addEventListener(end, () => noteHand(false));
   for (const id of ["remove", "keep", "lamp"]) at(id).addEventListener("click", () => chooseBrush(id));
@@ -254,4 +256,5 @@ function listen() {
 }
 
 listen();
+buildBox();
 connect();

@@ -18,6 +18,7 @@ const state = {
   render: {},
   lanes: [{ plugin: 0, values: {} }],
   marks: [], /* x, y, z and radius in mm, 1: keep or 0: remove */
+  box: [], /* mm: x, y, z of its lower corner and of its upper one; none: all of the volume */
 };
 
 /* What only the page knows of: how it shows what it has. */
@@ -84,6 +85,7 @@ function writeAddressNow() {
     if (text !== "0" || i > 0) at.set("ab"[i], text);
   });
   if (state.marks.length) at.set("marks", state.marks.map((mark) => mark.map(short).join(",")).join(";"));
+  if (state.box.length) at.set("box", state.box.join(","));
   if (look.third !== "truth") at.set("third", look.third);
   if (look.compare !== "off") at.set("compare", look.compare);
   if (look.wipe !== 50) at.set("wipe", look.wipe);
@@ -133,6 +135,8 @@ function readAddress(hello) {
   state.render = readRender(at);
   state.marks = (at.get("marks") || "").split(";").map((mark) => mark.split(",").map(Number))
     .filter((mark) => mark.length === 5 && mark.every(Number.isFinite)).slice(0, MARKS_MAX);
+  const box = (at.get("box") || "").split(",").map(Number);
+  state.box = box.length === 6 && box.every(Number.isFinite) ? box : [];
   state.lanes = [laneFrom(at.get("a") || "0")];
   look.compare = wordIn(at.get("compare"), ["off", "side", "wipe"], "off");
   if (look.compare !== "off") state.lanes.push(laneFrom(at.get("b") || at.get("a") || "0"));

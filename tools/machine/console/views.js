@@ -161,6 +161,7 @@ function placeCross() {
     canvases[view].down.style.left = 100 * state.cross[right] + "%";
     canvases[view].right.style.top = 100 * state.cross[down] + "%";
   }
+  drawBox();
 }
 
 function moveCross(view, right, down) {
@@ -174,6 +175,7 @@ function crossByHand(view, screen) {
   dragWith(screen, (event, first) => {
     const box = screen.getBoundingClientRect();
     const right = (event.clientX - box.left) / box.width, down = (event.clientY - box.top) / box.height;
+    if (dragBox(view, [right, down], first)) return;
     if (measured.on) setPoint(view, right, down, first);
     else moveCross(view, right, down);
   });
@@ -222,8 +224,9 @@ function figureOf(view) {
     one.scale = make("div", { class: "scale" });
     one.probe = make("span", { class: "probe" });
     one.lines = svg("svg", { viewBox: "0 0 1 1" });
+    one.box = svg("svg", { viewBox: "0 0 1 1", class: "box" });
     one.distance = make("output", { class: "distance" });
-    screen.append(one.down, one.right, one.scale, one.probe, one.lines, one.distance);
+    screen.append(one.down, one.right, one.scale, one.probe, one.lines, one.box, one.distance);
     crossByHand(view, screen);
   } else {
     one.marks = svg("svg", { viewBox: "0 0 1 1", class: "marks" });

@@ -69,6 +69,16 @@ static uint32_t mixed(uint32_t level, uint32_t colour, double share) {
     return out;
 }
 
+static bool is_in_crop(const hs_slice_scene *s, const hs_box_map *m, const double box[3]) {
+    bool in = true;
+    for (int k = 0; k < 3; k++) {
+        const double index = m->origin[k] + box[0] * m->du[k] + box[1] * m->dv[k] + box[2] * m->dw[k];
+        const double half = 0.5 * s->volume->spacing[k], mm = index * s->volume->spacing[k];
+        in = in && mm >= s->crop->low[k] - half && mm <= s->crop->high[k] + half;
+    }
+    return in;
+}
+
 /* One pixel; true if it is removed. */
 static bool fill_pixel(const hs_slice_scene *s, const hs_box_map *map, const double box[3], uint8_t *rgba) {
     for (int k = 0; k < 3; k++)
@@ -107,6 +117,14 @@ void hs_slice_fill(const hs_slice_scene *scene, hs_slice_plane plane, uint32_t c
             removed[at] = fill_pixel(scene, &map, box, rgba + 4 * at);
         }
     draw_line(cell, rgba, removed);
+    if (!scene->crop) return;
+    for (uint32_t j = 0; j < cell; j++)
+        for (uint32_t i = 0; i < cell; i++) {
+            double box[3];
+            box_of(scene, plane, (i + 0.5) / cell, (j + 0.5) / cell, box);
+            if (!is_in_crop(scene, &map, box))
+                set_pixel(rgba + 4 * ((size_t)j * cell + i), HS_COLOUR_BACKGROUND);
+        }
 }
 
 #define PLANE_COLOUR 0x56b4e9u /* where the other slices lie */

@@ -23,6 +23,7 @@ typedef struct {
     double at[3];                           /* where the slices lie */
     double low[3], side[3];                 /* the squares: where they begin, and what of the box they span */
     double band_mm; /* the band's half width where nothing is sure, on either side of the line; 0: none */
+    const hs_crop *crop; /* what lies outside is as beside the box; NULL: nothing does */
 } hs_slice_scene;
 
 /* Fills `cell` * `cell` RGBA pixels, and `removed`, a flag for each of them. What lies beside the box has

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* A box within a volume: what lies outside of it counts as not scanned. */
+#ifndef HS_CROP_H
+#define HS_CROP_H
+
+#include "volume/volume.h"
+
+/* mm along the volume's x, y, z from the centre of its first voxel, both ends included. */
+typedef struct {
+    bool used; /* else all of the volume counts */
+    double low[3], high[3];
+} hs_crop;
+
+bool hs_crop_same(const hs_crop *a, const hs_crop *b);
+
+/* HS_ERR_INPUT: no voxel's centre lies in it. */
+bool hs_crop_check(const hs_crop *crop, const hs_volume *volume, hs_error *err);
+
+/* Zeroes those of a byte a voxel whose centre lies outside. */
+void hs_crop_apply(const hs_crop *crop, const hs_volume *volume, uint8_t *bytes);
+
+#endif
