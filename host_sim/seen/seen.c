@@ -7,9 +7,11 @@
 #include "loop/slabs.h"
 #include "plugin/reason.h"
 #include "volume/fan_fit.h"
+#include "volume/kretz.h"
 #include "volume/levels.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static _Thread_local hs_error last;
@@ -120,27 +122,63 @@ static bool check_volume(const hs_seen_volume *v) {
                    (unsigned long long)count);
 }
 
+/* *same: `out` is the volume of the file that `bytes` are the copy of, its voxels in `levels`. */
+static bool take_kretz(const hs_seen_volume *v, hs_volume *out, bool *same) {
+    const hs_kretz_options how = {.mirrored = v->mirrored != 0, .padding = (hs_padding)v->padding};
+    hs_kretz *file = hs_kretz_open(v->kretz, &how, &last);
+    *out = (hs_volume){0};
+    *same = file && v->number < hs_kretz_count(file) && hs_kretz_read(file, v->number, out, &last) &&
+            out->nx == v->n[0] && out->ny == v->n[1] && out->nz == v->n[2] && v->bytes;
+    hs_kretz_close(file);
+    for (size_t i = 0; *same && i < count_of(v); i++) /* a black echo of a Cartesian file is 1 by now */
+        *same = out->voxels[i] == v->bytes[i] || out->voxels[i] + v->bytes[i] == 1;
+    if (*same) memcpy(v->levels, out->voxels, count_of(v));
+    free(out->voxels);
+    out->voxels = v->levels;
+    if (!*same) hs_beams_free(out->beams);
+    return last.code == HS_OK;
+}
+
+static void find_course(hs_seen_volume *v, hs_volume *volume) {
+    if (!hs_volume_doubt(volume, v->doubt)) v->doubt[0] = '\0';
+    hs_volume_find_beams(volume);
+    hs_course_question(volume, v->question, sizeof v->question);
+    v->has_beams = volume->beams != NULL;
+    memcpy(v->found, volume, sizeof *volume);
+}
+
 int32_t hs_seen_take(hs_seen_volume *v) {
     hs_levels levels;
+    hs_volume volume;
+    bool same = false;
     if (!check_size(v->size, sizeof *v, "hs_seen_volume") || !check_volume(v) || !find_range(v, &levels))
         return 0;
+    v->low = levels.low;
+    v->high = levels.high;
+    v->outside = levels.outside;
+    v->has_outside = levels.has_outside;
+    if (v->kretz && !take_kretz(v, &volume, &same)) return 0;
+    if (same) {
+        v->has_outside = 0;
+        find_course(v, &volume);
+        return 1;
+    }
     filling f = {v, &levels};
-    hs_volume volume = volume_of(v);
+    volume = volume_of(v);
     const uint32_t threads = hs_thread_count(0);
     const bool guess = v->padding == HS_SEEN_AUTO && !v->mask && !levels.gaps;
     if (!(guess ? hs_volume_fill_marked : hs_volume_fill)(&volume, threads, fill, &f, &last)) return 0;
     if (v->padding == HS_SEEN_ALL_SCANNED && !v->mask) hs_volume_mark_all_scanned(&volume);
     for (size_t i = 0; v->mask && i < count_of(v); i++)
         v->levels[i] = !v->mask[i] ? 0 : v->levels[i] ? v->levels[i] : 1;
-    v->low = levels.low;
-    v->high = levels.high;
-    v->outside = levels.outside;
-    v->has_outside = levels.has_outside;
-    if (!hs_volume_doubt(&volume, v->doubt)) v->doubt[0] = '\0';
-    hs_volume_find_beams(&volume);
-    hs_course_question(&volume, v->question, sizeof v->question);
-    memcpy(v->found, &volume, sizeof volume);
+    find_course(v, &volume);
     return 1;
+}
+
+void hs_seen_drop(hs_seen_volume *v) {
+    hs_volume volume = found_volume(v);
+    hs_beams_free(volume.beams);
+    memset(v->found, 0, sizeof v->found);
 }
 
 /* ------------------------------------------------------------------------------------------ view -- */
@@ -186,11 +224,11 @@ static bool convert(const hs_volume *volume, const hs_camera *camera, const hs_s
     sv_frame frame = {0};
     hs_slabs *slabs = NULL;
     hs_device_volume *source = hs_device_volume_create(&device, volume, &last);
-    bool ok =
-        source &&
-        (slabs = hs_slabs_create(&device, &layout, SV_CARRIER_HOST, HS_FAN_RANGES, false, NULL, &last)) &&
-        hs_slabs_convert(slabs, source, camera, &last) &&
-        hs_cl_check(clFinish(device.queue), "clFinish (scan conversion)", &last);
+    bool ok = source &&
+              (slabs = hs_slabs_create(&device, &layout, SV_CARRIER_HOST, HS_FAN_RANGES, volume->beams, NULL,
+                                       &last)) &&
+              hs_slabs_convert(slabs, source, camera, &last) &&
+              hs_cl_check(clFinish(device.queue), "clFinish (scan conversion)", &last);
     if (ok) {
         hs_slabs_describe(slabs, 0, &slab);
         hs_slabs_describe_frame(slabs, true, &frame);

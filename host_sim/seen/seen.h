@@ -31,13 +31,16 @@ typedef struct {
     const uint8_t *bytes; /* the voxels, x fastest, or ... */
     const double *values; /* ... the voxels as numbers */
     const uint8_t *mask;  /* 1 where a voxel was scanned, or NULL */
-    uint8_t *levels;      /* out, a byte a voxel: 0 was not scanned; read again by hs_seen_look */
-    double low, high;     /* out: what became 0 and 255 */
-    double outside;       /* out: what lies outside the scan, ... */
-    uint32_t has_outside; /* ... if a constant does */
-    char doubt[200];      /* out: what is not plausible about the size, or "" */
-    char question[160];   /* out: what to ask of where the probe was, or \"\" */
-    uint64_t found[160];  /* out: what was found of the scan; for hs_seen_plan and _look */
+    const char *kretz; /* a Kretz file, if `bytes` are the Cartesian copy of a volume of it, or NULL; read */
+    uint32_t number, mirrored; /* of it: which volume, and hs_kretz_options.mirrored */
+    uint8_t *levels;           /* out, a byte a voxel: 0 was not scanned; read again by hs_seen_look */
+    double low, high;          /* out: what became 0 and 255 */
+    double outside;            /* out: what lies outside the scan, ... */
+    uint32_t has_outside;      /* ... if a constant does */
+    char doubt[200];           /* out: what is not plausible about the size, or "" */
+    char question[160];        /* out: what to ask of where the probe was, or "" */
+    uint32_t has_beams;        /* out: it is seen in the probe's geometry */
+    uint64_t found[160];       /* out: what was found of the scan; for hs_seen_plan and _look */
 } hs_seen_volume;
 
 typedef struct {
@@ -56,8 +59,10 @@ typedef struct {
 /* The reason of the last failure in this thread; static. */
 HS_SEEN_API const char *hs_seen_error(void);
 
-/* Fills in levels, and what is known of them. */
+/* Fills in levels, and what is known of them. A Kretz file is seen as host_sim sees it, unless `bytes` are
+ * no more what lies in it. What it took is given back by hs_seen_drop. */
 HS_SEEN_API int32_t hs_seen_take(hs_seen_volume *volume);
+HS_SEEN_API void hs_seen_drop(hs_seen_volume *volume);
 
 /* Fills in the view's grid. */
 HS_SEEN_API int32_t hs_seen_plan(const hs_seen_volume *volume, hs_seen_view *view);

@@ -42,14 +42,15 @@ class ClipperCache:
         plugin: Plugin,
         parameters: dict[str, object],
         *,
+        gaps: bool = False,
         discontinuity: bool = True,
         probe: Any = None,
         beams: Any = None,
     ) -> Result:
-        """Clips `volume`; the result is the caller's."""
+        """Clips `volume`; the result is the caller's. `gaps`: between the ends of `scanned`, 0 was not scanned."""
         known = plugin.parameters
         fixed = {k: v for k, v in parameters.items() if k in known and known[k].fixed}
-        key = (plugin.path, plugin.id, volume.shape, spacing, scanned is not None, tuple(sorted(fixed.items())))
+        key = (plugin.path, plugin.id, volume.shape, spacing, scanned is not None, gaps, tuple(sorted(fixed.items())))
         look = look_bytes(volume.shape)
         with self._lock:
             clipper = self._clippers.pop(key, None)
@@ -57,7 +58,7 @@ class ClipperCache:
                 while len(self._clippers) >= self._most:
                     self._clippers.popitem(last=False)[1].close()
                 fixed_values: dict[str, Any] = fixed
-                padding = 0 if scanned is None else None  # the machine's 0 was not scanned
+                padding = 0 if gaps or scanned is None else None  # the machine's 0 was not scanned
                 clipper = Clipper(
                     volume.shape,
                     spacing,
@@ -86,6 +87,22 @@ def _marks(given: Sequence[Sequence[float]], keep: bool) -> list[tuple[tuple[flo
             kind = "keep" if keep else "remove"
             raise ValueError(f"{kind}={mark}, expected (x, y, z) or (x, y, z, radius above 0) in mm")
     return [(mark, keep) for mark in marks]
+
+
+def _side(probe: Any) -> str | None:
+    """The volume's side, if it was given as one; ValueError: it has none of this name."""
+    if isinstance(probe, str) and probe not in SIDES:
+        raise ValueError(f"probe='{probe}' is none of {', '.join(SIDES)}")
+    return probe if isinstance(probe, str) else None
+
+
+def _only_itself(path: str, spacing: Any, scanned: Any, probe: Any, window: Any) -> None:
+    """ValueError, as the host's, for what a Kretz file says itself."""
+    given = {"spacing": spacing, "scanned": None if isinstance(scanned, str) else scanned}
+    given |= {"probe": probe, "window": window}
+    for name, value in given.items():
+        if value is not None:
+            raise ValueError(f"{path}: a Kretz file says its size, scan, probe and levels itself; {name}= was given")
 
 
 _cache = ClipperCache()
@@ -155,14 +172,19 @@ def clip(
         from ._files import Source
 
         volume = Source(volume).only()
-    source, directions, mask = volume, None, None
+    source, directions, mask, kretz = volume, None, None, None
     if _images.is_image(volume):
+        kretz = _images.kretz(volume)
+        if kretz is not None:
+            _only_itself(kretz[0], spacing, scanned, probe, window)
+        probe = _images.probe(volume) if probe is None else probe
         spacing = volume.GetSpacing() if spacing is None and _images.says_spacing(volume) else spacing
         directions = volume.GetDirection()
         volume = _images.array(volume)
     if isinstance(volume, np.ma.MaskedArray):
         mask = ~np.ma.getmaskarray(volume)
         volume = volume.filled(volume.min())
+    marks = _marks(remove, False) + _marks(keep, True)
     volume = np.asarray(volume)
     if volume.ndim != 3 or 0 in volume.shape:
         raise ValueError(f"the volume has shape {volume.shape}, expected [z, y, x]")
@@ -170,12 +192,16 @@ def clip(
     how, given = what_was_scanned(volume.shape, scanned)
     if mask is not None:
         given = mask if given is None else mask & given
-    side = probe if isinstance(probe, str) else None
-    if side is not None and side not in SIDES:
-        raise ValueError(f"probe='{side}' is none of {', '.join(SIDES)}")
-    marks = _marks(remove, False) + _marks(keep, True)
+    side = _side(probe)
     levels = Levels(
-        volume, mm, scanned=how, mask=given, window=checked_window(window), directions=directions, side=side
+        volume,
+        mm,
+        scanned=how,
+        mask=given,
+        window=checked_window(window),
+        directions=directions,
+        side=side,
+        kretz=kretz,
     )
     turned = None if view is None or (isinstance(view, str) and view == "probe") else rotation_of(view, directions)
     grid = levels.plan(turned, lowres)
@@ -188,7 +214,8 @@ def clip(
     beams = None if given_probe else grid.beams
     takes = bool(plugin.features & _abi.SV_FEATURE_SCANNED)
     known = None if mm is None else camera.spacing
-    result = cache.run(seen, known, ranges if takes else None, plugin, parameters, probe=told, beams=beams)
+    gaps = takes and levels.has_beams
+    result = cache.run(seen, known, ranges if takes else None, plugin, parameters, gaps=gaps, probe=told, beams=beams)
     if result.clips and marks:
         levels.mark(grid, marks, result.depth)
     if levels.doubt:  # of a size that no scan has nothing else is the reason

@@ -47,6 +47,8 @@ class Source:
         """Volume `number` as a SimpleITK image of 3 dimensions with one value a voxel."""
         *parts, self.knows_patient = _process.ask("read", str(self.path), self._mirror, number)
         image = _images.whole(*parts)
+        if self._spacing is not None and _images.kretz(image):
+            raise FileError(f"{self.path}: a Kretz file says itself how large it is, --spacing was given")
         if self._spacing is not None:
             image.SetSpacing([float(length) for length in self._spacing])
             image.EraseMetaData(_images.NOT_SAID)

@@ -29,9 +29,12 @@ NOT_SAID = "smartvis_spacing_not_said"  #: a key of images whose file does not s
 PROBE = "smartvis_probe_side"  #: of images whose file says at which side the probe was
 
 
+KRETZ = "smartvis_kretz"  #: of Cartesian copies: the Kretz file, the volume's number and whether it is mirrored
+
+
 def parts(image: Any) -> tuple[Any, ...]:
     """What an image consists of, for another process: voxels, spacing, origin, direction, our own notes."""
-    notes = {key: image.GetMetaData(key) for key in (NOT_SAID, PROBE) if image.HasMetaDataKey(key)}
+    notes = {key: image.GetMetaData(key) for key in (NOT_SAID, PROBE, KRETZ) if image.HasMetaDataKey(key)}
     vector = image.GetNumberOfComponentsPerPixel() > 1
     voxels = sitk().GetArrayFromImage(image)
     return voxels, vector, image.GetSpacing(), image.GetOrigin(), image.GetDirection(), notes
@@ -46,6 +49,19 @@ def whole(voxels: Any, vector: bool, spacing: Any, origin: Any, direction: Any, 
     for key, value in notes.items():
         image.SetMetaData(key, value)
     return image
+
+
+def probe(image: Any) -> str | None:
+    """The side at which the probe was, where the image's file says it."""
+    return str(image.GetMetaData(PROBE)) if image.HasMetaDataKey(PROBE) else None
+
+
+def kretz(image: Any) -> tuple[str, int, bool] | None:
+    """The file and the volume in it that a Cartesian copy was made of, and whether that was mirrored."""
+    if not image.HasMetaDataKey(KRETZ):
+        return None
+    number, mirror, path = image.GetMetaData(KRETZ).split(" ", 2)
+    return path, int(number), mirror == "1"
 
 
 def says_spacing(image: Any) -> bool:

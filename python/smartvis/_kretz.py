@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Kretz volumes, bare or in DICOM. Only host_sim reads them: it hands over its Cartesian copy."""
+"""Kretz volumes, bare or in DICOM. Only host_sim reads them: it hands over its Cartesian copy, whose note
+leads the library of `_seen` to the samples."""
 
 from __future__ import annotations
 
@@ -52,5 +53,6 @@ def read(path: Path, number: int, mirror: bool) -> tuple[Any, int]:
         options = ["--mirror"] if mirror else []
         said = _host.run(["info", *options, "--number", str(number + 1), "--cartesian", str(copy), "--", str(path)])
         image = _images.sitk().ReadImage(str(copy))
+    image.SetMetaData(_images.KRETZ, f"{number} {int(mirror)} {os.path.abspath(path)}")
     count = re.search(r"^  a sequence of (\d+) volumes", said, re.MULTILINE)
     return image, int(count[1]) if count else 1

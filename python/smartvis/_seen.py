@@ -7,6 +7,7 @@ from __future__ import annotations
 import ctypes
 import os
 import threading
+import weakref
 from collections.abc import Sequence
 from ctypes import POINTER, c_char, c_double, c_float, c_int32, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
@@ -39,6 +40,9 @@ class _Volume(ctypes.Structure):
         ("bytes", c_void_p),
         ("values", c_void_p),
         ("mask", c_void_p),
+        ("kretz", ctypes.c_char_p),
+        ("number", c_uint32),
+        ("mirrored", c_uint32),
         ("levels", c_void_p),
         ("low", c_double),
         ("high", c_double),
@@ -46,6 +50,7 @@ class _Volume(ctypes.Structure):
         ("has_outside", c_uint32),
         ("doubt", c_char * 200),
         ("question", c_char * 160),
+        ("has_beams", c_uint32),
         ("found", c_uint64 * 160),
     ]
 
@@ -82,6 +87,7 @@ def _library() -> Any:
         raise LoadError(f"{path}: {error}") from None
     library.hs_seen_error.restype = ctypes.c_char_p
     library.hs_seen_take.argtypes = [POINTER(_Volume)]
+    library.hs_seen_drop.argtypes = [POINTER(_Volume)]
     library.hs_seen_plan.argtypes = [POINTER(_Volume), POINTER(_View)]
     library.hs_seen_look.argtypes = [POINTER(_Volume), POINTER(_View), c_void_p, c_void_p]
     library.hs_seen_reason.argtypes = [c_void_p, ctypes.c_char_p]
@@ -126,8 +132,10 @@ class Levels:
         window: tuple[float, float] | None = None,
         directions: Sequence[float] | None = None,
         side: str | None = None,
+        kretz: tuple[str, int, bool] | None = None,
     ) -> None:
-        """ValueError: the volume cannot be taken, and why."""
+        """`kretz`: what the volume is the Cartesian copy of, file, number and mirror: the machine sees that.
+        ValueError: the volume cannot be taken, and why."""
         if volume.dtype.kind not in "uifb":
             raise ValueError(f"the volume holds {volume.dtype}, expected whole or floating-point numbers")
         if volume.ndim != 3 or 0 in volume.shape:
@@ -145,9 +153,13 @@ class Levels:
         setattr(v, "bytes" if plain else "values", _at(self._voxels))
         v.mask = None if self._mask is None else _at(self._mask)
         v.levels = _at(self.levels)
+        if kretz is not None:
+            v.kretz, v.number, v.mirrored = os.fsencode(kretz[0]), kretz[1], int(kretz[2])
         _call("take", ctypes.byref(v))
+        weakref.finalize(self, _library().hs_seen_drop, v)
+        self.has_beams = bool(v.has_beams)  #: it is seen in the probe's geometry: between rays' ends 0 may lie
         self._voxels = self._mask = None  # type: ignore[assignment]  # only the levels are read from here on
-        v.bytes = v.values = v.mask = None
+        v.bytes = v.values = v.mask = v.kretz = None
         self.doubt: str = v.doubt.decode()  #: what is not plausible about the size, or ""
         self.low: float = v.low  #: the value that became 0, ...
         self.high: float = v.high  #: ... and that which became 255

@@ -49,7 +49,7 @@ class Settings:
             view=self.view,
             scanned=self.scanned,
             window=self.window,
-            probe=self.probe or (image.GetMetaData(_images.PROBE) if image.HasMetaDataKey(_images.PROBE) else None),
+            probe=self.probe,
             plugin=self.load(),
             cache=cache,
             **self.parameters,

@@ -387,9 +387,20 @@ def fail(error: Exception) -> int:
     return INPUT if isinstance(error, (FileError, HostError)) else USAGE
 
 
+def signed(words: Sequence[str]) -> list[str]:
+    """Values that begin with "-" joined to their options: argparse takes "-z" and "-60,0" for options."""
+    joined: list[str] = []
+    for word in words:
+        if joined and joined[-1] in ("--probe", "--view", "--window", "--level") and word[:1] == "-" != word[1:2]:
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command line and returns the exit code."""
-    args = parser_of().parse_args(arguments)
+    args = parser_of().parse_args(signed(sys.argv[1:] if arguments is None else arguments))
     try:
         code = int(args.run(args))
         sys.stdout.flush()
