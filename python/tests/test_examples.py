@@ -70,7 +70,7 @@ def test_the_notebook_stores_what_comes_out(monkeypatch) -> None:
     stored, fresh = run_notebook()
     for number, (ours, theirs) in enumerate(zip(stored.cells, fresh.cells, strict=True)):
         assert told(ours) == told(theirs), f"cell {number}: jupyter execute --inplace examples/python/smartvis.ipynb"
-    assert sum(told(cell)[0] for cell in stored.cells) == 6
+    assert sum(told(cell)[0] for cell in stored.cells) == 5
     assert (EXAMPLES / "smartvis.ipynb").stat().st_size < 600_000
 
 
