@@ -7,10 +7,10 @@
 
 /* What is known of a ray, by layer. The arrays are allocated once for all rays. */
 typedef struct {
-    uint32_t *begun;    /* probability that the fetus begins in the layer or in front of it */
-    uint32_t *later;    /* probability that it begins with a run whose fluid begins behind the layer, or in
-                           front of it, if that is no fluid */
-    uint32_t *distance; /* to the ray's fluid, layers; UINT32_MAX: there is none */
+    uint32_t *cumulative; /* probability that the fetus begins in the layer or in front of it */
+    uint32_t *later;      /* probability that it begins with a run whose fluid begins behind the layer, or in
+                             front of it, if that is no fluid */
+    uint32_t *distance;   /* to the ray's fluid, layers; UINT32_MAX: there is none */
     sv_wall_run first;
     uint32_t fluid_begin, fluid_end; /* where the surface belongs if no fetus is seen */
 } ray_facts;
@@ -55,7 +55,7 @@ static void forward_fetus(const sv_wall_scan *s, const sv_wall_evidence *e, size
             before = now;
             maximum = 0;
         }
-        f->begun[z] = SV_WALL_PROBABILITY_ONE - now;
+        f->cumulative[z] = SV_WALL_PROBABILITY_ONE - now;
     }
 }
 
@@ -98,7 +98,7 @@ static void backward_fluid(const sv_wall_scan *s, size_t ray, ray_facts *f) {
         const bool open_front = z == start && z < run;
         for (uint32_t i = open_front ? 0 : z; i < run; i++) f->distance[i] = 0;
         if (z == start || run == run_end) continue;
-        const uint32_t begins = f->begun[run_end - 1] - f->begun[run - 1];
+        const uint32_t begins = f->cumulative[run_end - 1] - f->cumulative[run - 1];
         const uint32_t doubt = begins - share(begins, certainty(s, ray, &f->first, z, run));
         for (uint32_t i = 0; i < layers; i++) f->later[i] += i < z ? begins : doubt;
     }
@@ -117,14 +117,14 @@ static void first_fluid(const sv_wall_scan *s, size_t ray, ray_facts *f) {
 /* Returns what a surface in layer z costs but for the distance to the fluid. In a first run a fetus that
  * begins up to `skin` layers behind is not hidden: bone lies that far behind its skin. */
 static uint32_t error_cost(const sv_wall_layout *l, bool bare, const ray_facts *f, uint32_t z) {
-    const uint32_t none = SV_WALL_PROBABILITY_ONE - f->begun[l->layers - 1];
+    const uint32_t none = SV_WALL_PROBABILITY_ONE - f->cumulative[l->layers - 1];
     uint32_t later = f->later[z];
     if (f->first.touches && z < f->first.end) {
         const uint32_t skin = z + l->skin < f->first.end ? z + l->skin : f->first.end - 1;
-        later += f->begun[f->first.end - 1] - f->begun[skin];
+        later += f->cumulative[f->first.end - 1] - f->cumulative[skin];
     }
     uint32_t cost = share_of_cost(l->occluder_cost, later);
-    if (z > 0 || !bare) cost += share_of_cost(l->cut_cost, f->begun[z]);
+    if (z > 0 || !bare) cost += share_of_cost(l->cut_cost, f->cumulative[z]);
     if (z < f->fluid_begin || z >= f->fluid_end) cost += share_of_cost(SV_WALL_COST_ONE, none);
     return cost;
 }
@@ -140,16 +140,16 @@ static void add_ray(const sv_wall_layout *l, bool bare, const ray_facts *f, uint
 }
 
 static void facts_free(ray_facts *f) {
-    free(f->begun);
+    free(f->cumulative);
     free(f->later);
     free(f->distance);
 }
 
 static bool facts_make(uint32_t layers, ray_facts *f) {
-    *f = (ray_facts){.begun = calloc(layers, sizeof(uint32_t)),
+    *f = (ray_facts){.cumulative = calloc(layers, sizeof(uint32_t)),
                      .later = calloc(layers, sizeof(uint32_t)),
                      .distance = calloc(layers, sizeof(uint32_t))};
-    if (f->begun && f->later && f->distance) return true;
+    if (f->cumulative && f->later && f->distance) return true;
     facts_free(f);
     return false;
 }
@@ -171,7 +171,7 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
         first_fluid(s, ray, &f);
         const size_t cell = ray / l->columns / 2 * l->cells[0] + ray % l->columns / 2;
         add_ray(l, e->bare, &f, costs->all + cell * l->layers);
-        costs->fetus += f.begun[l->layers - 1];
+        costs->fetus += f.cumulative[l->layers - 1];
     }
     for (size_t i = 0; i < count; i++) costs->all[i] = (costs->all[i] + RAYS_OF_CELL / 2) / RAYS_OF_CELL;
     facts_free(&f);
