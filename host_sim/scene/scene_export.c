@@ -53,77 +53,33 @@ bool hs_scene_export(const hs_scene_data *data, const char *prefix, hs_error *er
            write_depths(prefix, "far", &data->full, data->far_end, err);
 }
 
-#define RADIANS     0.017453292519943295 /* of a degree */
-#define START_SHARE 0.15                 /* of the volume's depth */
-#define AXIS_SHARE  0.10
-#define PITCH_MIN   0.01 /* mm: what a reader takes */
+#define START_SHARE 0.15 /* of the volume's depth, behind the centre of curvature */
+#define AXIS_SHARE  0.10 /* the same, before it */
 
-static double or_else(double value, double otherwise) {
-    return isnan(value) || value == 0.0 ? otherwise : value;
+static uint32_t count_of(double wanted) {
+    return (uint32_t)fmin(fmax(floor(wanted), 2.0), HS_VOLUME_MAX_AXIS);
 }
 
-static uint32_t count_or(uint32_t count, double otherwise) {
-    return count ? count : (uint32_t)fmin(fmax(floor(otherwise), 2.0), HS_VOLUME_MAX_AXIS);
-}
-
-/* Completes what the spec leaves open, from the volume's sides in mm. */
-static hs_vol_spec complete(hs_vol_spec spec, const hs_volume *v) {
-    const double width = v->nx * v->spacing[0], height = v->ny * v->spacing[1], depth = v->nz * v->spacing[2];
-    if (isnan(spec.start)) spec.start = START_SHARE * depth;
-    if (isnan(spec.axis)) spec.axis = -AXIS_SHARE * depth;
-    spec.pitch = or_else(spec.pitch, v->spacing[2]);
-    const double end = spec.start + depth;
-    spec.theta = or_else(spec.theta, 2.0 * atan(0.5 * width / end) / RADIANS);
-    spec.phi = or_else(spec.phi, 2.0 * atan(0.5 * height / (end - spec.axis)) / RADIANS);
-    spec.samples = count_or(spec.samples, depth / spec.pitch + 1.0);
-    spec.lines = count_or(spec.lines, 0.6 * v->nx);
-    spec.planes = count_or(spec.planes, 0.4 * v->ny);
-    return spec;
-}
-
-static bool check(const hs_vol_spec *s, hs_error *err) {
-    if (s->samples < 2 || s->lines < 2 || s->planes < 2 || s->samples > HS_VOLUME_MAX_AXIS ||
-        s->lines > HS_VOLUME_MAX_AXIS || s->planes > HS_VOLUME_MAX_AXIS)
-        return hs_fail(err, HS_ERR_USAGE, "geometry: %u samples, %u lines, %u planes, expected 2 .. %u each",
-                       s->samples, s->lines, s->planes, HS_VOLUME_MAX_AXIS);
-    if (!(s->pitch >= PITCH_MIN))
-        return hs_fail(err, HS_ERR_USAGE, "geometry: a pitch of %g mm, expected %g or more", s->pitch,
-                       PITCH_MIN);
-    if (!(s->start >= 0.0))
-        return hs_fail(err, HS_ERR_USAGE, "geometry: samples that start at %g mm, expected 0 or more",
-                       s->start);
-    const double nearest = s->start * cos(0.5 * s->theta * RADIANS);
-    if (!(nearest > s->axis))
-        return hs_fail(
-            err, HS_ERR_USAGE,
-            "geometry: an axis at %g mm, at or behind the samples' start at %g mm on the outer lines",
-            s->axis, nearest);
-    return (s->theta > 0.0 && s->theta < 180.0 && s->phi > 0.0 && s->phi < 180.0) ||
-           hs_fail(err, HS_ERR_USAGE, "geometry: theta %g, phi %g degrees, expected between 0 and 180",
-                   s->theta, s->phi);
-}
-
-static double *make_table(uint32_t count, double span, double skew, bool descending) {
+static double *make_table(uint32_t count, double half) {
     double *table = malloc(count * sizeof *table);
-    for (uint32_t i = 0; table && i < count; i++) {
-        const double t = 2.0 * i / (count - 1) - 1.0;
-        table[i] = (descending ? -0.5 : 0.5) * span * RADIANS * t * (1.0 - skew + skew * t * t);
-    }
+    for (uint32_t i = 0; table && i < count; i++) table[i] = half * (2.0 * i / (count - 1) - 1.0);
     return table;
 }
 
-hs_beams *hs_vol_geometry(const hs_vol_spec *spec, const hs_volume *volume, hs_error *err) {
-    const hs_vol_spec s = complete(*spec, volume);
-    if (!check(&s, err)) return NULL;
-    hs_beams shape = {.samples = s.samples,
-                      .lines = s.lines,
-                      .planes = s.planes,
-                      .pitch = s.pitch,
-                      .start = s.start,
-                      .axis = s.axis,
-                      .theta = make_table(s.lines, s.theta, s.skew, false),
-                      .phi = make_table(s.planes, s.phi, s.skew, s.descending),
-                      .mirrored = s.mirrored};
+/* A fan that lies in the volume, voxels not filled: the pitch is the voxels', and the outer lines and planes
+ * reach the volume's sides at its far end; three lines to five voxels, two planes to five. NULL:
+ * HS_ERR_MEMORY. */
+static hs_beams *make_beams(const hs_volume *v, hs_error *err) {
+    const double width = v->nx * v->spacing[0], height = v->ny * v->spacing[1], depth = v->nz * v->spacing[2];
+    const double start = START_SHARE * depth, axis = -AXIS_SHARE * depth, end = start + depth;
+    hs_beams shape = {.samples = count_of(depth / v->spacing[2] + 1.0),
+                      .lines = count_of(0.6 * v->nx),
+                      .planes = count_of(0.4 * v->ny),
+                      .pitch = v->spacing[2],
+                      .start = start,
+                      .axis = axis};
+    shape.theta = make_table(shape.lines, atan(0.5 * width / end));
+    shape.phi = make_table(shape.planes, atan(0.5 * height / (end - axis)));
     hs_beams *beams = NULL;
     if (shape.theta && shape.phi)
         beams = hs_beams_like(&shape, err);
@@ -182,7 +138,9 @@ static void fill_plane(void *context, uint32_t k) {
         }
 }
 
-void hs_vol_fill(hs_beams *beams, const hs_volume *volume) {
+/* Samples the volume along the beams, linearly. The middle of its first slice's outer face lies where the
+ * samples of the middle line start. What lies outside the volume, or was not scanned, is a black echo. */
+static void fill_beams(hs_beams *beams, const hs_volume *volume) {
     fill_pass pass = {.beams = beams, .volume = volume};
     hs_parallel(hs_thread_count(0), beams->planes, fill_plane, &pass);
 }
@@ -194,12 +152,12 @@ static bool open_file(hs_kretz_writer *writer, const char *prefix, const char *w
 }
 
 static bool write_frame(hs_kretz_writer *writer, hs_beams *beams, const hs_volume *volume, hs_error *err) {
-    hs_vol_fill(beams, volume);
+    fill_beams(beams, volume);
     return hs_kretz_write_volume(writer, beams->voxels, err);
 }
 
 /* The scene's label at a column of the copy; 0 if what ends its interval was not scanned. The scene's middle,
- * and its first slice's face, lie where hs_vol_fill has them. */
+ * and its first slice's face, lie where fill_beams has them. */
 static uint8_t label_at(const hs_scene_data *data, const hs_beams *beams, double x, double y) {
     const hs_volume *v = &data->full;
     const double i = floor(x / v->spacing[0] + 0.5 * v->nx), j = floor(y / v->spacing[1] + 0.5 * v->ny);
@@ -239,11 +197,11 @@ static bool write_label(const char *prefix, hs_beams *beams, const hs_scene_data
     return ok;
 }
 
-bool hs_vol_export_frame(hs_vol_export *out, const hs_vol_spec *spec, const char *prefix, uint32_t frames,
-                         const hs_scene_data *data, hs_error *err) {
+bool hs_vol_export_frame(hs_vol_export *out, const char *prefix, uint32_t frames, const hs_scene_data *data,
+                         hs_error *err) {
     bool ok = true;
     if (!out->beams) {
-        out->beams = hs_vol_geometry(spec, &data->full, err);
+        out->beams = make_beams(&data->full, err);
         ok = out->beams && open_file(&out->full, prefix, "full", out->beams, frames, err) &&
              open_file(&out->truth, prefix, "truth", out->beams, frames, err);
     }

@@ -86,18 +86,14 @@ grep -q '"fan"' "$folder/changed/E01.json" && fail "the JSON tells what --set to
 code 0 "$folder/changed/E01.json" --size 40 --export --out "$folder/changed_again"
 cmp -s "$folder/changed/E01_full.mha" "$folder/changed_again/E01_full.mha" || fail "the changed scene's JSON makes another"
 
-# As Kretz files: the same scene from two unlike probes, both read and described; several frames are a sequence.
-for probe in 'start=30,axis=-20' 'start=20,axis=8,theta=70,phi=60,skew=0.4,descending=1,pitch=1.5'; do
-    code 0 E02 --size 48 --export --format vol --vol "$probe" --out "$folder/vol"
-    [ -s "$folder/vol/E02_truth.vol" ] || fail "no truth as a Kretz file"
-    [ -s "$folder/vol/E02_label.mha" ] || fail "no label map beside the Kretz files"
-    "$host_sim" info "$folder/vol/E02_full.vol" > "$folder/out" || fail "info does not read the Kretz file of $probe"
-    for words in 'samples of' 'sweep + at -y: a choice'; do
-        grep -qF "$words" "$folder/out" || fail "info does not tell '$words': $(cat "$folder/out")"
-    done
+# As Kretz files: read and described; several frames are a sequence.
+code 0 E02 --size 48 --export --format vol --out "$folder/vol"
+[ -s "$folder/vol/E02_truth.vol" ] || fail "no truth as a Kretz file"
+[ -s "$folder/vol/E02_label.mha" ] || fail "no label map beside the Kretz files"
+"$host_sim" info "$folder/vol/E02_full.vol" > "$folder/out" || fail "info does not read the Kretz file"
+for words in 'samples of' 'from 18 mm on; the sweep'"'"'s axis at -12 mm' 'sweep + at -y: a choice'; do
+    grep -qF "$words" "$folder/out" || fail "info does not tell '$words': $(cat "$folder/out")"
 done
-grep -qF 'from 20 mm on; the sweep'"'"'s axis at 8 mm' "$folder/out" || fail "info tells another probe: $(cat "$folder/out")"
-grep -qF 'planes over 60.0 degrees, from high to low, in uneven steps' "$folder/out" || fail "info does not tell the tables"
 "$host_sim" info --mirror "$folder/vol/E02_full.vol" > "$folder/out" || fail "info --mirror"
 grep -qF 'sweep + at +y, mirrored' "$folder/out" || fail "info does not tell the mirror"
 code 0 E02 --size 48 --frames 3 --export --format vol --out "$folder/sequence"
@@ -106,12 +102,6 @@ written=("$folder"/sequence/*)
 "$host_sim" info "$folder/sequence/E02_full.vol" | grep -qF 'a sequence of 3 volumes' || fail "info does not count volumes"
 code 2 E02 --export --format nrrd
 code 2 E02 --format vol
-code 2 E02 --export --vol pitch=1
-code 2 E02 --export --format vol --vol colour=1
-grep -q 'is none of pitch' "$folder/err" || fail "a wrong key is not named: $(cat "$folder/err")"
-code 2 E02 --size 48 --export --format vol --vol axis=900 --out "$folder/none"
-grep -q "at or behind the samples' start" "$folder/err" || fail "an impossible probe is not named: $(cat "$folder/err")"
-[ -z "$(ls -A "$folder/none")" ] || fail "an impossible probe left files"
 
 code 0 real --real "$folder/one/E02_f000_truth.mha" --export --out "$folder/real"
 [ -s "$folder/real/real_full.mha" ] || fail "real wrote no volume"

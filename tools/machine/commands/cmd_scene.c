@@ -15,7 +15,6 @@
 
 #include <getopt.h>
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -30,68 +29,9 @@ typedef struct {
     uint32_t set_count;
     uint32_t random;         /* scenes of a random set; 0: none */
     uint64_t random_seed;    /* of the set */
-    hs_vol_spec geometry;    /* of Kretz files */
     hs_dvr_settings drawing; /* of the sheet */
-    bool all, hard, list, ranges, json, export, vol, geometry_given, sheet, times, help;
+    bool all, hard, list, ranges, json, export, vol, sheet, times, help;
 } scene_line;
-
-/* What a spec is before any key: all is left open. */
-static hs_vol_spec vol_line_defaults(void) {
-    return (hs_vol_spec){.start = NAN, .axis = NAN};
-}
-
-static bool take_key(const char *key, const char *value, hs_vol_spec *s, hs_error *err) {
-    const struct {
-        const char *key;
-        double low, high;
-        double *number;
-        uint32_t *count;
-        bool *flag;
-    } keys[] = {
-        {"pitch", 0.01, 5.0, &s->pitch, NULL, NULL},     {"start", 0.0, 1000.0, &s->start, NULL, NULL},
-        {"axis", -1000.0, 1000.0, &s->axis, NULL, NULL}, {"theta", 0.01, 179.0, &s->theta, NULL, NULL},
-        {"phi", 0.01, 179.0, &s->phi, NULL, NULL},       {"skew", 0.0, 0.9, &s->skew, NULL, NULL},
-        {"samples", 2, 2048, NULL, &s->samples, NULL},   {"lines", 2, 2048, NULL, &s->lines, NULL},
-        {"planes", 2, 2048, NULL, &s->planes, NULL},     {"descending", 0, 1, NULL, NULL, &s->descending},
-        {"mirrored", 0, 1, NULL, NULL, &s->mirrored},
-    };
-    char option[32], known[160] = "";
-    (void)snprintf(option, sizeof option, "--vol %.20s", key);
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        (void)strncat(known, i ? ", " : "", sizeof known - strlen(known) - 1);
-        (void)strncat(known, keys[i].key, sizeof known - strlen(known) - 1);
-        if (strcmp(key, keys[i].key) != 0) continue;
-        if (keys[i].number)
-            return hs_cli_number(option, value, keys[i].low, keys[i].high, keys[i].number, err);
-        uint32_t count = 0;
-        if (!hs_cli_u32(option, value, (uint32_t)keys[i].low, (uint32_t)keys[i].high, &count, err))
-            return false;
-        if (keys[i].count) *keys[i].count = count;
-        if (keys[i].flag) *keys[i].flag = count == 1;
-        return true;
-    }
-    return hs_fail(err, HS_ERR_USAGE, "--vol: '%.40s' is none of %s", key, known);
-}
-
-/* "KEY=VALUE,KEY=VALUE,...". HS_ERR_USAGE names the key and its value, or the keys there are. */
-static bool take_vol(void *target, const char *text, hs_error *err) {
-    scene_line *const r = target;
-    r->geometry_given = true;
-    while (*text) {
-        char pair[64];
-        const size_t length = strcspn(text, ",");
-        if (length >= sizeof pair)
-            return hs_fail(err, HS_ERR_USAGE, "--vol: '%.40s...', expected KEY=VALUE,KEY=VALUE", text);
-        memcpy(pair, text, length);
-        pair[length] = '\0';
-        char *equals = strchr(pair, '=');
-        if (!equals) return hs_fail(err, HS_ERR_USAGE, "--vol: '%s', expected KEY=VALUE", pair);
-        *equals = '\0';
-        if (!take_key(pair, equals + 1, &r->geometry, err)) return false;
-        text += length + (text[length] == ',');
-    }
-    return true;
-}
 
 static bool take_set(void *target, const char *text, hs_error *err) {
     scene_line *const r = target;
@@ -136,13 +76,6 @@ static const hs_option options[] = {
      "_label.mha for their Cartesian copies; several frames as a sequence, without\n"
      "(default mha)\n",
      HS_OPTION_TAKEN, AT(vol), 0, 0, take_format},
-    {"vol", "KEY=VALUE,...",
-     "the geometry of Kretz files; what is not given fits the scene:\n"
-     "pitch, start, axis (mm): samples, their start, and the sweep's axis, from the\n"
-     "array's centre of curvature; theta, phi (degrees) from the first to the last line\n"
-     "and plane; samples, lines, planes; skew 0 .. 0.9: uneven angles;\n"
-     "descending 0 or 1; mirrored 0 or 1: to be read with --mirror\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_vol},
     {"sheet", NULL, "write <name>_sheet.png, a contact sheet (needs an OpenCL device)\n", HS_OPTION_FLAG,
      AT(sheet), 0, 0, NULL},
     {"look", "NAME", "how the sheet's renderings are drawn: thesis or lit (default lit)\n", HS_OPTION_TAKEN,
@@ -169,16 +102,13 @@ static bool check_choice(scene_line *r, const char *named, hs_error *err) {
 }
 
 static bool parse(int argc, char **argv, scene_line *r, hs_error *err) {
-    *r = (scene_line){
-        .out = "out/scenes", .options = {.size = 256}, .frames = 1, .geometry = vol_line_defaults()};
+    *r = (scene_line){.out = "out/scenes", .options = {.size = 256}, .frames = 1};
     hs_dvr_defaults(&r->drawing);
     r->drawing.look = HS_LOOK_LIT;
     int next = argc;
     if (!hs_options_read(argc, argv, options, r, &next, &r->help, err)) return false;
     if (r->help) return true;
-    if ((r->vol || r->geometry_given) && !r->export)
-        return hs_fail(err, HS_ERR_USAGE, "%s: is for --export", r->vol ? "--format" : "--vol");
-    if (r->geometry_given && !r->vol) return hs_fail(err, HS_ERR_USAGE, "--vol: is for --format vol");
+    if (r->vol && !r->export) return hs_fail(err, HS_ERR_USAGE, "--format: is for --export");
     return check_choice(r, next < argc ? argv[next] : NULL, err);
 }
 
@@ -258,7 +188,7 @@ static bool export_frame(const scene_line *r, const hs_scene *scene, const char 
     char path[1024];
     if (!r->vol) return hs_scene_export(data, prefix, err);
     return hs_path_join(r->out, hs_scene_name(scene), path, sizeof path, err) &&
-           hs_vol_export_frame(files, &r->geometry, path, r->frames, data, err);
+           hs_vol_export_frame(files, path, r->frames, data, err);
 }
 
 static bool make_frame(const scene_line *r, const hs_scene *scene, uint32_t frame, const hs_cl *cl,
