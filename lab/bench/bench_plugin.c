@@ -25,7 +25,7 @@ typedef struct {
     cl_mem buffer, depth_buffer;
     float *depth, *plain_depth;
     uint8_t *status, *plain_status;
-    sv_param_value *fixed, *values; /* for activate; for begin */
+    sv_param_value fixed, values[OWN_VALUES]; /* for activate; for begin */
     uint32_t fixed_count, value_count;
     uint32_t q_id; /* 0: the plugin has no such knob, and adjust is not timed */
     plain_frame *plain;
@@ -84,30 +84,17 @@ static void own_values(bench *b) {
     b->values[b->value_count++] = (sv_param_value){.id = kernel.id, .value = b->variant->k};
 }
 
-/* Sorts the user's values and the benchmark's own into those of activate and those of begin. */
+/* The benchmark's own values, and the method, which is one of activate, too. */
 static bool make_values(bench *b, hs_error *err) {
     const bench_plugin_setup *s = b->setup;
-    b->fixed = malloc((s->value_count + 2u) * sizeof *b->fixed);
-    b->values = malloc((s->value_count + OWN_VALUES) * sizeof *b->values);
-    if (!b->fixed || !b->values)
-        return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %u values", s->value_count);
     own_values(b);
     const char *const method = s->method ? s->method : PLAIN_METHOD;
     const bool named =
         s->method ? strcmp(method, BENCH_OWN) != 0 : bench_plugin_has_method(s->plugin, method);
-    if (named) {
-        if (!method_value(s->plugin, method, &b->fixed[0], err)) return false;
-        b->values[b->value_count++] = b->fixed[b->fixed_count++];
-    }
-    for (uint32_t v = 0; v < s->value_count; v++) {
-        b->values[b->value_count++] = s->values[v];
-        for (uint32_t i = 0; i < hs_plugin_param_count(s->plugin); i++) {
-            sv_param_info info = {.size = sizeof info};
-            if (b->instance->param_info(b->instance, i, &info) == SV_OK && info.id == s->values[v].id &&
-                (info.flags & SV_PARAM_REACTIVATE))
-                b->fixed[b->fixed_count++] = s->values[v];
-        }
-    }
+    if (!named) return true;
+    if (!method_value(s->plugin, method, &b->fixed, err)) return false;
+    b->values[b->value_count++] = b->fixed;
+    b->fixed_count = 1;
     return true;
 }
 
@@ -151,7 +138,7 @@ static bool activate(bench *b, hs_error *err) {
                         .tile_w = l->tile_w,
                         .tile_h = l->tile_h,
                         .row_pitch = l->row_pitch,
-                        .values = b->fixed_count ? b->fixed : NULL,
+                        .values = b->fixed_count ? &b->fixed : NULL,
                         .value_count = b->fixed_count};
     if (b->host_queue) {
         format.context = b->setup->cl->context;
@@ -346,8 +333,6 @@ static void release(bench *b) {
     free(b->plain_depth);
     free(b->status);
     free(b->plain_status);
-    free(b->fixed);
-    free(b->values);
 }
 
 bool bench_plugin_run(const bench_plugin_setup *setup, const bench_slabs *slabs, const bench_variant *variant,

@@ -7,19 +7,10 @@
 
 /* --------------------------------------------------------------------------------------------- methods -- */
 
-const bench_method bench_methods[BENCH_METHODS] = {
-    {"wall", {1.5, 3.5}},
-};
-
-/* What a frame may take, in milliseconds; 0: this size has no limit. */
-static double bench_limit_ms(const bench_method *method, uint32_t n) {
-    return n == 128 ? method->limit_ms[0] : n == 171 ? method->limit_ms[1] : 0.0;
-}
-
-static double limit_of(const char *name, uint32_t n) {
-    for (int i = 0; i < BENCH_METHODS; i++)
-        if (strcmp(name, bench_methods[i].name) == 0) return bench_limit_ms(&bench_methods[i], n);
-    return 0.0;
+/* What a frame may take, in milliseconds; 0: there is no limit. */
+static double limit_of(const char *method, uint32_t n) {
+    if (strcmp(method, BENCH_METHOD) != 0) return 0.0;
+    return n == 128 ? 1.5 : n == 171 ? 3.5 : 0.0;
 }
 
 static void print_line(const bench_plugin_result *r) {
@@ -111,17 +102,17 @@ static const char *verdict(bool holds) {
 }
 
 /* The slowest of the combinations that were measured: the limit holds if it does. */
-static void print_limit(const bench_report *report, const bench_method *method, uint32_t n) {
+static void print_limit(const bench_report *report, uint32_t n) {
     const bench_plugin_result *slowest = NULL;
     for (uint32_t i = 0; i < report->plugin_count; i++) {
         const bench_plugin_result *r = &report->plugin[i];
-        if (r->variant.n == n && strcmp(r->method, method->name) == 0 &&
+        if (r->variant.n == n && strcmp(r->method, BENCH_METHOD) == 0 &&
             (!slowest || r->times[BENCH_FRAME].median > slowest->times[BENCH_FRAME].median))
             slowest = r;
     }
     if (!slowest) return;
-    const double ms = slowest->times[BENCH_FRAME].median, limit = bench_limit_ms(method, n);
-    printf("%4u^3, method %s, slowest: slabs of %3u, %-34s at most %4.1f ms: %6.2f ms  %s\n", n, method->name,
+    const double ms = slowest->times[BENCH_FRAME].median, limit = limit_of(BENCH_METHOD, n);
+    printf("%4u^3, method %s, slowest: slabs of %3u, %-34s at most %4.1f ms: %6.2f ms  %s\n", n, BENCH_METHOD,
            slowest->variant.slab_slices, bench_route_label(slowest->variant.route), limit, ms,
            verdict(ms <= limit));
 }
@@ -149,8 +140,6 @@ void bench_print_targets(const bench_report *report) {
         print_ratio(r, "first:");
         if (best != r) print_ratio(best, "best:");
     }
-    for (int i = 0; i < BENCH_METHODS; i++) {
-        print_limit(report, &bench_methods[i], 128);
-        print_limit(report, &bench_methods[i], 171);
-    }
+    print_limit(report, 128);
+    print_limit(report, 171);
 }

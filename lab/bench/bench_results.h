@@ -63,8 +63,6 @@ typedef struct {
     const hs_cl *cl;
     bench_team *team;
     uint32_t frames;
-    const sv_param_value *values; /* for activate and for each frame, beside the benchmark's own */
-    uint32_t value_count;
     /* The value of the parameter "method"; NULL: as the plugin stands, and compared with plain C. */
     const char *method;
 } bench_plugin_setup;
@@ -98,14 +96,8 @@ typedef struct {
 /* --------------------------------------------------------------------------------------------- methods -- */
 /* The frames of another method than the one plain C computes. */
 
-/* A method that is timed beside the mean filter. */
-typedef struct {
-    const char *name;
-    double limit_ms[2]; /* what a frame may take at 128^3 and at 171^3, milliseconds */
-} bench_method;
-
-enum { BENCH_METHODS = 1 };
-extern const bench_method bench_methods[BENCH_METHODS];
+/* The method that is timed beside the mean filter. */
+#define BENCH_METHOD "wall"
 
 /* What frames with the plugin's own defaults cost: half of them, all but one in a hundred, all. */
 void bench_print_worst(const bench_report *report);

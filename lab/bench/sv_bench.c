@@ -11,12 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    SIZES = 3,
-    MAX_VALUES = 16,
-    MAX_SLABS = 8,
-    MAX_RESULTS = (1 + BENCH_METHODS) * SIZES * MAX_SLABS * BENCH_ROUTES
-};
+enum { SIZES = 3, MAX_SLABS = 8, MAX_RESULTS = 2 * SIZES * MAX_SLABS * BENCH_ROUTES };
 
 static const uint32_t sizes[SIZES] = {128, 171, 512}; /* voxels an axis that --size chooses from */
 static const uint32_t kernels[SIZES] = {23, 23, 55};  /* k, by size */
@@ -32,8 +27,6 @@ typedef struct {
     bool size[SIZES], route[BENCH_ROUTES];
     uint32_t slabs[MAX_SLABS], slab_count; /* 0: the whole volume */
     bool part[PARTS], version;
-    const char *value_texts[MAX_VALUES];
-    uint32_t value_count;
     hs_guard_options guard;
 } options;
 
@@ -104,11 +97,6 @@ static void fill_defaults(options *o) {
     o->slab_count = sizeof usual / sizeof *usual;
 }
 
-static bool take_param(void *all, const char *text, hs_error *err) {
-    options *const o = all;
-    return hs_cli_append("--param", text, o->value_texts, &o->value_count, MAX_VALUES, err);
-}
-
 static bool take_size(void *all, const char *text, hs_error *err) {
     options *const o = all;
     for (int i = 0; i < SIZES; i++)
@@ -122,10 +110,6 @@ static const hs_option known[] = {
      AT(plugin), 0, 0, NULL},
     {"id", "ID", "the library's plugin of that id (default: its first)\n", HS_OPTION_TEXT, AT(id), 0, 0,
      NULL},
-    {"param", "KEY=VALUE",
-     "a parameter of the plugin, e.g. strategy=bands; may be repeated. Parameters that\n"
-     "change the result make the comparison with plain C fail\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_param},
     {"only", "PART",
      "'plugin' (the default), or 'worst': 10000 frames of each combination, as the plugin\n"
      "stands\n",
@@ -177,20 +161,14 @@ typedef struct {
     hs_cl cl;
     hs_plugin plugin;
     bench_team *team;
-    sv_param_value values[MAX_VALUES];
     bench_plugin_result results[MAX_RESULTS];
     bench_report report;
 } bench_run;
 
 /* All chosen ways of one slab length. `method` as in bench_plugin_setup. */
 static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const char *method, hs_error *err) {
-    const bench_plugin_setup setup = {.plugin = &run->plugin,
-                                      .cl = &run->cl,
-                                      .team = run->team,
-                                      .frames = run->o.frames,
-                                      .values = run->values,
-                                      .value_count = run->o.value_count,
-                                      .method = method};
+    const bench_plugin_setup setup = {
+        .plugin = &run->plugin, .cl = &run->cl, .team = run->team, .frames = run->o.frames, .method = method};
     bench_slabs slabs;
     if (!bench_slabs_create(&slabs, sizes[size], slab_slices, err)) return false;
     bool ok = true;
@@ -217,16 +195,16 @@ static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const cha
 }
 
 /* A method on the same volumes. */
-static bool run_method(bench_run *run, const bench_method *method, hs_error *err) {
-    if (!bench_plugin_has_method(&run->plugin, method->name)) return true;
+static bool run_method(bench_run *run, hs_error *err) {
+    if (!bench_plugin_has_method(&run->plugin, BENCH_METHOD)) return true;
     for (int size = 0; size < SIZES; size++) {
         if (!run->o.size[size]) continue;
         for (uint32_t s = 0; s < run->o.slab_count; s++) {
             const uint32_t slab = run->o.slabs[s] ? run->o.slabs[s] : sizes[size];
-            if (!run_routes(run, size, slab, method->name, err)) return false;
+            if (!run_routes(run, size, slab, BENCH_METHOD, err)) return false;
         }
     }
-    bench_print_method(&run->report, method->name);
+    bench_print_method(&run->report, BENCH_METHOD);
     return true;
 }
 
@@ -242,9 +220,7 @@ static bool run_plugin_part(bench_run *run, hs_error *err) {
     }
     if (foreign) bench_print_method(&run->report, BENCH_OWN);
     bench_print_stages(run->results, run->report.plugin_count);
-    for (int i = 0; i < BENCH_METHODS; i++)
-        if (!run_method(run, &bench_methods[i], err)) return false;
-    return true;
+    return run_method(run, err);
 }
 
 /* The plugin with its own defaults, in as many frames as it takes to meet the rare ones. */
@@ -262,8 +238,6 @@ static bool (*const part_runs[PARTS])(bench_run *run, hs_error *err) = {
     [PART_PLUGIN] = run_plugin_part, [PART_WORST] = run_worst_part};
 
 static bool measure(bench_run *run, hs_error *err) {
-    for (uint32_t i = 0; i < run->o.value_count; i++)
-        if (!hs_plugin_parse_param(&run->plugin, run->o.value_texts[i], &run->values[i], err)) return false;
     bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
     bench_machine_print(&run->report.machine);
     run->team = bench_team_create(err);
