@@ -29,7 +29,6 @@ OCLGRIND_PACKAGES := scripts/packages-oclgrind.txt
 FUZZ_PACKAGES := scripts/packages-fuzz.txt
 AARCH64_PACKAGES := scripts/packages-aarch64.txt
 WINDOWS_PACKAGES := scripts/packages-windows.txt
-LOOKS_PACKAGES := scripts/packages-looks.txt
 
 # $(call step,<name>): one line for what comes behind it; its output is in out/log/<name>.log.
 step = scripts/quietly.sh $(1) $(OUT)/log/$(1).log
@@ -44,7 +43,7 @@ KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 INTEL_TESTS := ^check/test_(formats|mean|method_hard|methods|scanned|wall|wall_answer)$$
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo looks console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites scans surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites scans surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -106,11 +105,6 @@ demo: setup ## set up, build, run the scan loop on demo volumes: pictures and a 
 
 example-scan: ## fetch the scan of the README's picture (MIT licence): out/example/real/fetus_12w.mha
 	@scripts/example_scan.sh $(OUT)/example
-
-looks: # both looks side by side, the nine cases and the scans in HEADS ("a.mha b.mha") from four sides: out/looks/looks.jpg
-	@$(SETUP) $(PACKAGES) $(LOOKS_PACKAGES)
-	@$(call build,build,,host_sim smartvis)
-	@scripts/looks.sh build $(OUT)/looks $(HEADS)
 
 console: setup ## set up, build, serve the live console for a browser of this machine; prints its address
 	@$(call build,build,,host_sim smartvis)
