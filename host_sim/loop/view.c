@@ -68,7 +68,8 @@ void hs_maps_free(hs_maps *maps) {
     *maps = (hs_maps){0};
 }
 
-bool hs_truth_surface_fits(const hs_camera *camera) {
+/* True if the camera looks along the scene's own rays. */
+static bool truth_surface_fits(const hs_camera *camera) {
     for (int k = 0; k < 9; k++) {
         const double expected = k % 4 == 0 ? 1.0 : 0.0;
         if (camera->rotation[k] < expected || camera->rotation[k] > expected) return false;
@@ -120,7 +121,7 @@ static bool is_cut(const hs_loop *loop, hs_look look, uint32_t index) {
     hs_camera window;
     float share;
     hs_loop_window(loop, index, &window, &share);
-    return hs_source_scene_data(loop->source, index) && look == HS_LOOK_LIT && hs_truth_surface_fits(&window);
+    return hs_source_scene_data(loop->source, index) && look == HS_LOOK_LIT && truth_surface_fits(&window);
 }
 
 bool hs_truth_shows_cut(const hs_loop *loop, hs_look look, uint32_t index) {

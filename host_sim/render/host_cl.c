@@ -123,8 +123,10 @@ static bool fail_build(const hs_cl *cl, cl_program program, cl_int code, hs_erro
     return false;
 }
 
-bool hs_cl_build(const hs_cl *cl, const unsigned char *text, size_t bytes, cl_program *program,
-                 hs_error *err) {
+/* Builds kernels that are written for cl->lanes as the host's own are (cl/base.cl). HS_ERR_DEVICE with the
+ * first lines of the build log. The caller releases *program, also after a failure, unless it is NULL. */
+static bool build_program(const hs_cl *cl, const unsigned char *text, size_t bytes, cl_program *program,
+                          hs_error *err) {
     const char *options = cl->lanes == 16 ? "-cl-std=CL1.2 -w -DLANES=16" : "-cl-std=CL1.2 -w -DLANES=1";
     const char *source = (const char *)text;
     cl_int code = CL_SUCCESS;
@@ -145,7 +147,7 @@ bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err) {
     }
     if (!hs_cl_open_bare(cl, err)) return false;
     if (lanes) cl->lanes = lanes;
-    if (hs_cl_build(cl, hs_kernel_source, hs_kernel_source_size, &cl->program, err)) return true;
+    if (build_program(cl, hs_kernel_source, hs_kernel_source_size, &cl->program, err)) return true;
     hs_cl_close(cl);
     return false;
 }

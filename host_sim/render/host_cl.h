@@ -31,11 +31,6 @@ bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err);
 /* The same device, context and queue without the host's kernels: for who only hands memory to others. */
 bool hs_cl_open_bare(hs_cl *cl, hs_error *err);
 
-/* Builds kernels that are written for cl->lanes as the host's own are (cl/base.cl). HS_ERR_DEVICE with the
- * first lines of the build log. The caller releases *program, also after a failure, unless it is NULL. */
-bool hs_cl_build(const hs_cl *cl, const unsigned char *text, size_t bytes, cl_program *program,
-                 hs_error *err);
-
 /* Waits for the queue and releases everything. Safe on a zeroed struct. */
 void hs_cl_close(hs_cl *cl);
 

@@ -29,10 +29,6 @@ typedef struct {
     uint16_t *max_entry, *max_exit; /* the ones that were current at the (first) maximum */
 } plain_rays;
 
-/* Profiles of rows y0 .. y1 - 1. Returns their largest intensity. */
-uint8_t plain_profile(const plain_volume *volume, uint8_t fluid_level, uint32_t y0, uint32_t y1,
-                      const plain_rays *rays);
-
 /* ----------------------------------------------------------------------------------------- mean filter -- */
 /* The mean filter in plain C, for a range of rows. */
 

@@ -129,8 +129,9 @@ static void clear_rays(const plain_rays *rays, size_t at, size_t count) {
     for (int i = 0; i < 4; i++) memset(words[i] + at, 0, count * sizeof(uint16_t));
 }
 
-uint8_t plain_profile(const plain_volume *v, uint8_t fluid_level, uint32_t y0, uint32_t y1,
-                      const plain_rays *rays) {
+/* Profiles of rows y0 .. y1 - 1. Returns their largest intensity. */
+static uint8_t profile_rows(const plain_volume *v, uint8_t fluid_level, uint32_t y0, uint32_t y1,
+                            const plain_rays *rays) {
     const bool cached = (uint64_t)v->width * v->height * v->slices <= CACHE_BYTES;
     const uint32_t group = cached ? CACHED_GROUP : STREAMED_GROUP;
     uint8_t largest = 0;
@@ -225,7 +226,7 @@ static void frame_job(void *context, unsigned thread) {
     const uint32_t y0 = v->height * thread / BENCH_THREADS, y1 = v->height * (thread + 1) / BENCH_THREADS;
     const size_t from = (size_t)y0 * v->width, count = (size_t)(y1 - y0) * v->width;
     worker *mine = &f->workers[thread];
-    mine->maximum = plain_profile(v, f->settings.fluid_level, y0, y1, &f->rays);
+    mine->maximum = profile_rows(v, f->settings.fluid_level, y0, y1, &f->rays);
     bench_team_barrier(f->team);
     mine->points = find_points(f, bone_level(f), y0, y1);
     bench_team_barrier(f->team);

@@ -38,8 +38,10 @@ static bool has_value(const hs_eval_values *values, uint32_t id) {
     return false;
 }
 
-bool hs_eval_plan_base(hs_eval_values *base, const hs_plugin *plugin, const char *const *sets, uint32_t count,
-                       hs_error *err) {
+/* What the user set, and where he said nothing what the thesis studies: its filter, method=mean, of a plugin
+ * that has it, and any evidence. */
+static bool make_base(hs_eval_values *base, const hs_plugin *plugin, const char *const *sets, uint32_t count,
+                      hs_error *err) {
     sv_param_info info;
     double mean;
     if (!hs_eval_values_parse(base, plugin, sets, count, err)) return false;
@@ -61,8 +63,7 @@ static bool use_mode_absolute(hs_eval_plan *plan, hs_error *err) {
 bool hs_eval_plan_make(hs_eval_plan *plan, const hs_plugin *plugin, const char *const *sets, uint32_t count,
                        bool coarse, hs_error *err) {
     *plan = (hs_eval_plan){.plugin = plugin};
-    if (!hs_eval_plan_base(&plan->base, plugin, sets, count, err) || !use_mode_absolute(plan, err))
-        return false;
+    if (!make_base(&plan->base, plugin, sets, count, err) || !use_mode_absolute(plan, err)) return false;
     find_axis(&plan->threshold, plugin, "bone_threshold", &plan->base);
     find_axis(&plan->kernel, plugin, "kernel", &plan->base);
     if (plan->threshold.exists) fill_axis(&plan->threshold, 0.5, 0.01, 51, coarse);

@@ -80,16 +80,11 @@ typedef struct {
 /* What is swept for a plugin. */
 typedef struct {
     const hs_plugin *plugin;
-    hs_eval_values base;    /* hs_eval_plan_base, and an absolute threshold */
+    hs_eval_values base;    /* what the user set, method=mean, any evidence, an absolute threshold */
     hs_eval_axis threshold; /* T_B, "bone_threshold" in mode absolute: 0.5 .. 1 by 0.01 */
     hs_eval_axis kernel;    /* k, "kernel": 3 .. 63 by 4 */
     hs_eval_knob knob;      /* q: 0 .. 1.5 by 0.05, or 31 positions of another knob */
 } hs_eval_plan;
-
-/* What the user set, and where he said nothing what the thesis studies: its filter, method=mean, of a plugin
- * that has it, and any evidence. */
-bool hs_eval_plan_base(hs_eval_values *base, const hs_plugin *plugin, const char *const *sets, uint32_t count,
-                       hs_error *err);
 
 /* `coarse` takes every fifth position of the three axes. */
 bool hs_eval_plan_make(hs_eval_plan *plan, const hs_plugin *plugin, const char *const *sets, uint32_t count,

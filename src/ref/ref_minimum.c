@@ -45,7 +45,8 @@ static bool minimum_passes(const sv_ref_map *map, uint32_t k, uint32_t passes, d
     return true;
 }
 
-bool sv_ref_minimum(const sv_ref_map *map, uint32_t k, double *surface, sv_ref_fill *fill) {
+/* Passes of a k x k minimum until no pixel is empty. Minima round nothing, so this is exact. */
+static bool minimum_filter(const sv_ref_map *map, uint32_t k, double *surface, sv_ref_fill *fill) {
     const size_t count = (size_t)map->width * map->height;
     if (!minimum_passes(map, k, UINT32_MAX, surface, fill)) return false;
     for (size_t i = 0; i < count; i++)
@@ -61,7 +62,7 @@ bool sv_ref_minimum_prefilter(const sv_ref_map *map, uint32_t k, uint32_t passes
 /* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
 static bool of_task(const sv_ref_task *task, double *surface) {
     sv_ref_fill fill;
-    return sv_ref_minimum(&task->map, task->settings->kernel, surface, &fill);
+    return minimum_filter(&task->map, task->settings->kernel, surface, &fill);
 }
 
 /* Minima round nothing. */

@@ -5,9 +5,6 @@
 
 #include "ref/ref_method.h"
 
-/* Passes of a k x k minimum until no pixel is empty. Minima round nothing, so this is exact. */
-bool sv_ref_minimum(const sv_ref_map *map, uint32_t k, double *surface, sv_ref_fill *fill);
-
 /* The pre-filter: `passes` passes, then initial points only. `filtered` holds their new depths. */
 bool sv_ref_minimum_prefilter(const sv_ref_map *map, uint32_t k, uint32_t passes, double *filtered);
 

@@ -122,23 +122,11 @@ static const sva_param params[PARAM_COUNT] = {
      .help = "The call that fails on purpose; slab is the second of a frame.",
      .max_value = FAIL_END,
      .names = calls},
-    {.id = PARAM_EVERY,
-     .type = SV_PARAM_INT,
-     .key = "every",
-     .label = "Failing frames",
-     .unit = "frames",
-     .help = "Only frames whose index is a multiple of this fail.",
-     .min_value = 1,
-     .max_value = 63,
-     .default_value = 1,
-     .step = 2},
-    {.id = PARAM_NOTE,
-     .type = SV_PARAM_BOOL,
-     .key = "note",
-     .label = "Note",
-     .unit = "",
-     .help = "Comes out as SV_NO_SURFACE, with the plane in the map all the same: a host must not use it.",
-     .max_value = 1}};
+    SVA_PARAM(PARAM_EVERY, SV_PARAM_INT, 0, "every", "Failing frames", "frames",
+              "Only frames whose index is a multiple of this fail.", 1, 63, 1, 2),
+    SVA_PARAM(PARAM_NOTE, SV_PARAM_BOOL, 0, "note", "Note", "",
+              "Comes out as SV_NO_SURFACE, with the plane in the map all the same: a host must not use it.",
+              0, 1, 0, 0)};
 
 typedef struct {
     float *map;        /* width * height; the host's queue copies from here */
