@@ -417,11 +417,12 @@ typedef struct {
     sv_wall_settings settings;
     double gain, gamma, black, tilt[2];
     double near_slices, near_gain, near_black; /* and another near field */
+    bool beams;                                /* it is told what a case knows of its beams */
 } wall_change;
 
 wall_change wall_change_none(void);
 
-/* Takes "KEY=NUMBER", a constant or one of the numbers above. HS_ERR_USAGE. */
+/* Takes "KEY=NUMBER", a constant or one of the others above. HS_ERR_USAGE. */
 bool wall_change_set(wall_change *change, const char *text, hs_error *err);
 
 enum { JUDGE_MAX_VOLUMES = 16 };

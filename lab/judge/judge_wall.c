@@ -16,6 +16,7 @@ double *wall_constant_of(sv_wall_settings *s, wall_constant constant) {
 static double *find_constant(sv_wall_settings *s, const char *key) {
     static const wall_constant all[] = {
         WALL_CONSTANT(block_mm),
+        WALL_CONSTANT(beam_mm),
         WALL_CONSTANT(dilation_mm),
         WALL_CONSTANT(fluid_rank),
         WALL_CONSTANT(window_mm),
@@ -42,6 +43,7 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
         WALL_CONSTANT(q),
         WALL_CONSTANT(half_confidence_cost),
         WALL_CONSTANT(seen_share),
+        WALL_CONSTANT(beam_seen_share),
         WALL_CONSTANT(assumed_wall),
         WALL_CONSTANT(assumed_spread),
     };
@@ -82,6 +84,8 @@ bool wall_change_set(wall_change *o, const char *text, hs_error *err) {
         o->settings.clip_doubtful = number != 0.0;
     else if (strcmp(key, "median") == 0)
         o->settings.median = number != 0.0;
+    else if (strcmp(key, "beams") == 0)
+        o->beams = number != 0.0;
     else if (!value)
         return hs_fail(err, HS_ERR_USAGE, "--set: there is no constant '%s'", key);
     else
@@ -101,10 +105,21 @@ static void free_answer(answer *a) {
     free(a->confidence);
 }
 
+/* What a case tells of its beams. */
+static sv_beams beams_of(const sv_frame *told) {
+    sv_beams b = {.kind = told->beams, .sweep_mm = told->beam_sweep_mm};
+    memcpy(b.rotation, told->probe_rotation, sizeof b.rotation);
+    memcpy(b.side, told->probe_side, sizeof b.side);
+    memcpy(b.apex_mm, told->beam_apex_mm, sizeof b.apex_mm);
+    return b;
+}
+
 /* The answer must be freed, even on failure. */
 static bool ask(const wall_case *c, const wall_change *o, answer *a, hs_error *err) {
     const size_t plane = (size_t)c->nx * c->ny;
-    const sv_wall_volume v = wall_case_volume(c);
+    const sv_beams beams = beams_of(&c->told);
+    sv_wall_volume v = wall_case_volume(c);
+    if (o->beams) v.beams = &beams;
     char text[160];
     *a = (answer){.depth = malloc(plane * sizeof *a->depth),
                   .confidence = malloc(plane * sizeof *a->confidence)};
@@ -117,9 +132,23 @@ static bool ask(const wall_case *c, const wall_change *o, answer *a, hs_error *e
 static void print_case(const wall_case *c, const wall_score *s, const answer *a) {
     const sv_wall_facts *const f = &a->facts;
     printf("  %-4s %5.2f / %4.1f / %4.1f   outcome %d, T %u, gap share %.2f, wall %.0f, spread "
-           "%.2f, seen by %.0f %%\n",
+           "%.2f, seen by %.0f %%, fetus %.3f\n",
            c->name, s->error, 100.0 * s->cut, 100.0 * s->left, (int)a->outcome, f->threshold, f->gap_share,
-           f->wall, f->spread, f->rays ? 100.0 * f->wall_rays / f->rays : 0.0);
+           f->wall, f->spread, f->rays ? 100.0 * f->wall_rays / f->rays : 0.0, f->fetus);
+}
+
+/* The verdict of a volume without a truth. */
+static bool print_volume(const char *path, const wall_change *o, hs_error *err) {
+    wall_case c;
+    answer a = {0};
+    if (!wall_case_open(path, &c, err)) return false;
+    const bool ok = ask(&c, o, &a, err);
+    if (ok)
+        printf("%s: outcome %d, gap share %.3f, fetus %.3f\n", c.name, (int)a.outcome, a.facts.gap_share,
+               a.facts.fetus);
+    free_answer(&a);
+    wall_case_free(&c);
+    return ok;
 }
 
 /* The case is turned and gets other levels before; it is judged on its own levels. `clipped`: of cases that
@@ -207,9 +236,10 @@ static bool judge_still(const judge_request *r, hs_error *err) {
 }
 
 bool judge_wall(judge_request *r, hs_error *err) {
-    const bool nothing_given = r->sites.count == 0 && !r->still;
+    const bool nothing_given = r->sites.count == 0 && r->volume_count == 0 && !r->still;
     bool ok = !nothing_given || site_add_scenes(&r->sites, "201,0", err);
     for (uint32_t i = 0; ok && i < r->sites.count; i++) ok = judge_set(&r->sites.set[i], &r->wall, err);
+    for (uint32_t i = 0; ok && i < r->volume_count; i++) ok = print_volume(r->volumes[i], &r->wall, err);
     if (ok && r->still) ok = judge_still(r, err);
     return ok;
 }

@@ -138,7 +138,7 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_case},
     {"volume", "FILE",
      "harm, scans: a volume that nothing hides, MetaImage; scans, marks: one with FILE_label.mha "
-     "beside it\n",
+     "beside it;\nwall: its verdict\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_volume},
     {"method", "SETTINGS",
      "'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q\n"
@@ -147,7 +147,7 @@ static const hs_option options[] = {
     {"set", "KEY=VALUE",
      "wall: another value of a constant, a field of sv_wall_settings; or gain, gamma, black:\n"
      "change the grey levels first, the judgement is on the unchanged ones; near_slices,\n"
-     "near_gain, near_black: so many first scanned slices only\n",
+     "near_gain, near_black: so many first scanned slices only; beams=1: tell the beams\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_constant},
     {"tilt", "X,Y", "wall: turn the camera by so many degrees about x and then y first\n", HS_OPTION_TAKEN, 0,
      0, 0, take_tilt},

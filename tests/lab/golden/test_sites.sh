@@ -128,6 +128,10 @@ holds grep -q '^  all ' "$work/stdout"
 cp "$work/stdout" "$work/as_it_is"
 code 0 wall --case "$small" --set fetus_level=0
 holds [ "$(cmp -s "$work/stdout" "$work/as_it_is"; echo $?)" = 1 ]
+for beams in 0 1; do # a limit along the beams: heeded if these are told, by cases and by volumes
+    code 0 wall --case "$small" --volume "$full" --set beam_seen_share=1 --set beams=$beams
+    holds [ "$(grep -c 'outcome 3,' "$work/stdout")" -eq $((2 * beams)) ]
+done
 code 0 wall --tilt 10,-5 --case "$small"
 holds grep -q ' 10,-5 .*outcome 0' "$work/stdout"
 for wrong in 1 50,0 0,x 1,2,3; do
