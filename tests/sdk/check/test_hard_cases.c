@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The hard cases of spec 8 that concern ray profiles and the mean filter. Each is named for what it attacks,
- * and must give the definition's result or a clear status: never NaN, a hang or a crash.
+ * The hard cases of spec 8 that concern ray profiles and the mean filter's numbers. Each is named for what it
+ * attacks, and must give the definition's result or a clear status: never NaN, a hang or a crash. Hard places
+ * of points are test_method_hard's, for every method.
  */
 #include "support/compare.h"
 
@@ -80,81 +81,6 @@ static void no_surface_after_a_surface(void **state) {
     }
 }
 
-/* Maps by depth per pixel. */
-typedef struct {
-    const char *name;
-    uint32_t width, height, slices, k;
-    double omega;
-    int32_t (*far_end)(uint32_t x, uint32_t y);
-} map_case;
-
-static int32_t single(uint32_t x, uint32_t y) {
-    return x == 1 && y == 30 ? 77 : -1;
-}
-static int32_t far_apart(uint32_t x, uint32_t y) {
-    return (x == 0 && y == 0) ? 3 : (x == 95 && y == 31) ? 120 : -1;
-}
-static int32_t collinear(uint32_t x, uint32_t y) {
-    return x == y ? (int32_t)(2 * x + 1) : -1;
-}
-static int32_t checkerboard(uint32_t x, uint32_t y) {
-    return (x + y) % 2 ? 10 : 120;
-}
-static int32_t sparse_checkerboard(uint32_t x, uint32_t y) {
-    return x % 2 || y % 2 ? -1 : (x / 2 + y / 2) % 2 ? 10 : 120;
-}
-/* Dense clusters of unlike depths, side by side and far apart (Figure 5.1). */
-static int32_t clusters(uint32_t x, uint32_t y) {
-    if (x >= 4 && x < 12 && y >= 4 && y < 12) return 20 + (int32_t)(x % 3);
-    if (x >= 12 && x < 18 && y >= 4 && y < 12) return 110 + (int32_t)(y % 3);
-    if (x >= 60 && x < 66 && y >= 24) return (x + y) % 5 == 0 ? 0 : 64;
-    return -1;
-}
-/* Coincident in all but depth: neighbouring pixels 120 slices apart. */
-static int32_t nearly_coincident(uint32_t x, uint32_t y) {
-    return y == 16 && (x == 40 || x == 41) ? (x == 40 ? 1 : 121) : -1;
-}
-static int32_t every_pixel(uint32_t x, uint32_t y) {
-    return (int32_t)(1 + (x * 37 + y * 101) % 120);
-}
-static int32_t all_empty_intervals(uint32_t x, uint32_t y) {
-    return x % 7 == 0 && y % 5 == 0 ? 0 : -1;
-}
-
-static const map_case maps[] = {
-    {"one initial point", 96, 32, 128, 3, 0.5, single},
-    {"two far apart, k = 3", 96, 32, 128, 3, 0.5, far_apart},
-    {"two far apart, k = 3, weight 1/4", 96, 32, 128, 3, 0.25, far_apart},
-    {"two far apart, k = 3, weight 0: ends", 96, 32, 128, 3, 0.0, far_apart},
-    {"two far apart, k larger than the image", 96, 32, 128, 63, 1.0, far_apart},
-    {"collinear points", 60, 60, 128, 5, 0.5, collinear},
-    {"checkerboard of two depths", 96, 32, 128, 3, 0.5, checkerboard},
-    {"checkerboard of two depths, k = 23", 96, 32, 128, 23, 0.5, checkerboard},
-    {"sparse checkerboard", 96, 32, 128, 3, 0.75, sparse_checkerboard},
-    {"dense unlike clusters", 96, 32, 128, 3, 0.5, clusters},
-    {"dense unlike clusters, k = 23", 96, 32, 128, 23, 0.5, clusters},
-    {"nearly coincident points", 96, 32, 128, 7, 0.5, nearly_coincident},
-    {"a point on every pixel", 96, 32, 128, 7, 0.5, every_pixel},
-    {"empty intervals only", 96, 32, 128, 7, 0.5, all_empty_intervals},
-};
-
-static void hard_maps(void **state) {
-    for (size_t n = 0; n < sizeof maps / sizeof *maps; n++) {
-        const map_case *m = &maps[n];
-        int32_t *ends = unit_memory(2 * (size_t)m->width * m->height * sizeof *ends);
-        int32_t *far_end = ends + (size_t)m->width * m->height; /* the near ends are all 0 */
-        for (uint32_t i = 0; i < m->width * m->height; i++)
-            far_end[i] = m->far_end(i % m->width, i / m->width);
-        rig_format f = plain(m->width, m->height, m->slices);
-        f.slab_slices = 50;
-        rig_settings s = rig_default_settings();
-        s.k = m->k;
-        s.omega = m->omega;
-        in_all_layouts(*state, f, rig_map_volume(ends, far_end, m->width, m->height, m->slices), &s, m->name);
-    }
-    (void)compare_print("hard maps");
-}
-
 /* The longest volume, 8192 slices: positions of 16 bits with four samples a slice,
  * depths near 10^4 with detail. */
 static void longest_volume(void **state) {
@@ -213,5 +139,4 @@ static void many_passes(void **state) {
 }
 
 UNIT_MAIN(NULL, NULL, RIG_TEST(one_value_everywhere), RIG_TEST(no_surface_after_a_surface),
-          RIG_TEST(hard_maps), RIG_TEST(longest_volume), RIG_TEST(float_sums_would_drift),
-          RIG_TEST(many_passes))
+          RIG_TEST(longest_volume), RIG_TEST(float_sums_would_drift), RIG_TEST(many_passes))
