@@ -169,8 +169,7 @@ typedef struct {
 /* ----------------------------------------------------------------------------------------------- study -- */
 /* A whole study: the cases of `host_sim report`, their parameter spaces, and what came of them. */
 
-#define HS_EVAL_TURNS  7u /* positions of the slider */
-#define HS_EVAL_CURVES 5u /* thresholds of Figure 5.20 */
+#define HS_EVAL_TURNS 7u /* positions of the slider */
 
 /* What is known of a case when its space is whole, and its page's pictures are made. */
 typedef struct {
@@ -202,10 +201,6 @@ typedef struct hs_eval_study {
     hs_eval_result result[HS_EVAL_MAX_CASES];
     hs_eval_mean mean;
     hs_eval_plain plain;
-    uint32_t curves; /* Figure 5.20; 0: not measured */
-    double curve_threshold[HS_EVAL_CURVES];
-    double curve_fps[HS_EVAL_CURVES][HS_EVAL_MAX_LINE]; /* by kernel: frames of the plugin a second */
-    char curve_case[64];
     double check_worst[3]; /* steps: largest difference of e_abs, e_pos, e_neg to the direct way */
     uint32_t checked;
     hs_error plugin_error; /* the plugin's first failure */
@@ -238,12 +233,7 @@ bool hs_eval_study_values(const hs_eval_study *study, hs_eval_setting setting, h
                           hs_error *err);
 
 /* ----------------------------------------------------------------------------------------------- speed -- */
-/* How fast a plugin is on the cases of a study, by the wall clock (thesis 5.4, Figures 5.19 to 5.21). */
-
-/* Figure 5.20, into study->curve_...: the plugin alone over kernel, for some thresholds. On the open case
- * `index` if that is E04, or the last one of a study without E04. Nothing if options->frames is 0, or if the
- * plugin has no threshold or no kernel. */
-bool hs_eval_speed_curves(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
+/* How fast a plugin is on the cases of a study, by the wall clock (thesis 5.4, Figures 5.19 and 5.21). */
 
 /* Figures 5.19 and 5.21, into the case's result: options->frames frames (0: nothing) of the three settings
  * with `values`, pictures of 512 x 512. The case must be released (hs_eval_case_release). */

@@ -236,32 +236,3 @@ void hs_plot_bars_write(FILE *out, const hs_plot_bars *plot) {
     for (uint32_t i = 0; i < plot->series; i++) hs_plot_legend(out, i, hs_plot_colour(i), plot->name[i]);
     hs_plot_end(out);
 }
-
-/* -------------------------------------------------------------------------------------------- lines -- */
-
-void hs_plot_lines_write(FILE *out, const hs_plot_lines *plot) {
-    double largest = 0;
-    const double first = plot->x[0], span = fmax(plot->x[plot->points - 1] - first, 1e-9);
-    char text[32];
-    for (uint32_t i = 0; i < plot->series; i++)
-        for (uint32_t p = 0; p < plot->points; p++)
-            largest = fmax(largest, plot->value[(size_t)i * plot->stride + p]);
-    hs_plot_begin(out, plot->title, plot->x_label, plot->y_label);
-    const double top = hs_plot_y_axis(out, largest);
-    const uint32_t every = (plot->points + 15) / 16;
-    for (uint32_t p = 0; p < plot->points; p += every) {
-        (void)snprintf(text, sizeof text, "%.6g", plot->x[p]);
-        hs_plot_tick(out, HS_PLOT_LEFT + (HS_PLOT_RIGHT - HS_PLOT_LEFT) * (plot->x[p] - first) / span,
-                     p / every, text);
-    }
-    for (uint32_t i = 0; i < plot->series; i++) {
-        (void)fprintf(out, "<path fill=\"none\" stroke-width=\"2\" stroke=\"#%06x\" d=\"", hs_plot_colour(i));
-        for (uint32_t p = 0; p < plot->points; p++)
-            (void)fprintf(out, "%c%.1f %.1f", p ? 'L' : 'M',
-                          HS_PLOT_LEFT + (HS_PLOT_RIGHT - HS_PLOT_LEFT) * (plot->x[p] - first) / span,
-                          hs_plot_y(plot->value[(size_t)i * plot->stride + p], top));
-        (void)fprintf(out, "\"/>\n");
-        hs_plot_legend(out, i, hs_plot_colour(i), plot->name[i]);
-    }
-    hs_plot_end(out);
-}

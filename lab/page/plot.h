@@ -28,15 +28,4 @@ typedef struct {
 } hs_plot_bars;
 void hs_plot_bars_write(FILE *out, const hs_plot_bars *plot);
 
-/* Lines through points, on axes that begin at 0 in y. */
-typedef struct {
-    const char *title, *x_label, *y_label;
-    uint32_t points, series; /* 1 .. 8 series */
-    const double *x;
-    const double *value; /* value[i * stride + point] */
-    uint32_t stride;
-    const char *const *name;
-} hs_plot_lines;
-void hs_plot_lines_write(FILE *out, const hs_plot_lines *plot);
-
 #endif

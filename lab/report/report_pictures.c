@@ -190,8 +190,7 @@ static bool draw_common(hs_eval_study *study, uint32_t index, hs_eval_case *c, c
     hs_eval_values values;
     if (!hs_eval_study_values(study, r->common, &values, err) ||
         !hs_eval_case_direct(c, &values, &r->shown, &r->shown_outcome, err) ||
-        !save_error(c, folder, "common_error.png", study->space[index].name, err) ||
-        !hs_eval_speed_curves(study, index, c, err))
+        !save_error(c, folder, "common_error.png", study->space[index].name, err))
         return false;
     hs_eval_case_release(c); /* a plugin's instance serves one loop at a time */
     const hs_eval_drawing drawing = drawing_of(study, c, &values, HS_EVAL_PICTURE);

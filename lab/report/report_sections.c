@@ -119,10 +119,6 @@ static void write_bars(FILE *out, const void *plot) {
     hs_plot_bars_write(out, plot);
 }
 
-static void write_lines(FILE *out, const void *plot) {
-    hs_plot_lines_write(out, plot);
-}
-
 static bool tells_stages(const hs_eval_study *study) {
     for (uint32_t i = 0; i < study->count; i++)
         if (!study->result[i].speed[HS_SETTING_SMARTVIS].has_plugin_stages) return false;
@@ -168,29 +164,6 @@ static void put_settings(hs_page *report, const hs_eval_study *study, const char
                                .name = labels,
                                .value = value};
     hs_eval_figure_put(report, write_bars, &plot);
-}
-
-/* Draws the thesis' Figure 5.20. */
-static void put_curves(hs_page *report, const hs_eval_study *study) {
-    char names[HS_EVAL_CURVES][32], title[128];
-    const char *name[HS_EVAL_CURVES];
-    if (study->curves == 0) return;
-    for (uint32_t i = 0; i < study->curves; i++) {
-        (void)snprintf(names[i], sizeof names[i], "T_B = %.2f", study->curve_threshold[i]);
-        name[i] = names[i];
-    }
-    (void)snprintf(title, sizeof title, "%s: the plugin's frame rate over k (as the thesis' Figure 5.20)",
-                   study->curve_case);
-    const hs_plot_lines plot = {.title = title,
-                                .x_label = "kernel size k (pixels)",
-                                .y_label = "frames of the plugin a second",
-                                .points = study->plan.kernel.count,
-                                .series = study->curves,
-                                .x = study->plan.kernel.value,
-                                .value = &study->curve_fps[0][0],
-                                .stride = HS_EVAL_MAX_LINE,
-                                .name = name};
-    hs_eval_figure_put(report, write_lines, &plot);
 }
 
 /* Table 5.4: the average over the cases. */
@@ -264,7 +237,6 @@ void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
             "where bone lies behind fluid; surface makes a depth for every ray of them; output writes "
             "the depthmap.");
     put_stages(report, study, names);
-    put_curves(report, study);
     put_table(report, study);
     hs_page_text(report,
                  "The thesis' transfer is the preparation of a frame. Its threshold is called initial "
