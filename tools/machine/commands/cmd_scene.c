@@ -155,28 +155,22 @@ static void print_times(const hs_scene_times *times) {
     }
 }
 
-static void print_facts(const char *name, const hs_scene_data *data, const hs_scene_points *points,
-                        const hs_scene_times *times) {
+static void print_facts(const char *name, const hs_scene_data *data, const hs_scene_times *times) {
     size_t labels[3] = {0}, pixels = (size_t)data->full.nx * data->full.ny;
     for (size_t i = 0; i < pixels; i++) labels[data->label[i]]++;
-    double found = points->right + points->wrong, rays = (double)points->width * points->height;
-    hs_print(stdout,
-             "%-10s %u x %u x %u in %.0f ms; rays: fetus %.1f %%, sac only %.1f %%; "
-             "initial points on %.1f %% of the rays, %.0f %% of them right\n",
-             name, data->full.nx, data->full.ny, data->full.nz, times->total_ms,
-             100.0 * (double)labels[2] / (double)pixels, 100.0 * (double)labels[1] / (double)pixels,
-             rays > 0.0 ? 100.0 * found / rays : 0.0, found > 0.0 ? 100.0 * points->right / found : 0.0);
+    hs_print(stdout, "%-10s %u x %u x %u in %.0f ms; rays: fetus %.1f %%, sac only %.1f %%\n", name,
+             data->full.nx, data->full.ny, data->full.nz, times->total_ms,
+             100.0 * (double)labels[2] / (double)pixels, 100.0 * (double)labels[1] / (double)pixels);
 }
 
 static bool write_sheet(const scene_line *r, const hs_scene *scene, const char *name,
-                        const hs_scene_data *data, const hs_scene_points *points, const hs_cl *cl,
-                        hs_error *err) {
+                        const hs_scene_data *data, const hs_cl *cl, hs_error *err) {
     char path[1024], file[128], title[640];
     hs_picture picture;
     snprintf(file, sizeof file, "%s_sheet.png", name);
     snprintf(title, sizeof title, "%s: %s", name, hs_scene_title(scene));
     if (!hs_path_join(r->out, file, path, sizeof path, err)) return false;
-    if (!hs_scene_sheet(cl, &r->drawing, data, points, title, &picture, err)) return false;
+    if (!hs_scene_sheet(cl, &r->drawing, data, title, &picture, err)) return false;
     bool ok = hs_picture_save(&picture, path, err);
     hs_picture_free(&picture);
     return ok;
@@ -196,7 +190,6 @@ static bool make_frame(const scene_line *r, const hs_scene *scene, uint32_t fram
     hs_scene_options one = r->options;
     hs_scene_data data;
     hs_scene_times times;
-    hs_scene_points points = {0};
     char name[96], prefix[1024];
     one.frame = frame;
     if (r->frames > 1)
@@ -205,12 +198,11 @@ static bool make_frame(const scene_line *r, const hs_scene *scene, uint32_t fram
         snprintf(name, sizeof name, "%s", hs_scene_name(scene));
     if (!hs_path_join(r->out, name, prefix, sizeof prefix, err)) return false;
     if (!hs_scene_frame(scene, &one, &data, &times, err)) return false;
-    bool ok = hs_scene_points_find(&data, &points, err);
-    if (ok) print_facts(name, &data, &points, &times);
-    if (ok && r->times) print_times(&times);
-    if (ok && r->export) ok = export_frame(r, scene, prefix, &data, files, err);
-    if (ok && r->sheet) ok = write_sheet(r, scene, name, &data, &points, cl, err);
-    hs_scene_points_free(&points);
+    bool ok = true;
+    print_facts(name, &data, &times);
+    if (r->times) print_times(&times);
+    if (r->export) ok = export_frame(r, scene, prefix, &data, files, err);
+    if (ok && r->sheet) ok = write_sheet(r, scene, name, &data, cl, err);
     hs_scene_free(&data);
     return ok;
 }

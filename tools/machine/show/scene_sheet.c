@@ -14,15 +14,12 @@
 
 enum { CELL = 384, GAP = 12, CAPTION = 26, HEADER = 44, COLUMNS = 4, ROWS = 3, RENDER = 512 };
 
-#define NEAR_COLOUR  0x35c3ffu
-#define FAR_COLOUR   0xffa630u
-#define RIGHT_COLOUR 0x3ddc5au
-#define WRONG_COLOUR 0xff4b3eu
+#define NEAR_COLOUR 0x35c3ffu
+#define FAR_COLOUR  0xffa630u
 
 typedef struct {
     hs_picture *out;
     const hs_scene_data *data;
-    const hs_scene_points *points;
     hs_dvr_settings settings;
     uint8_t *rgba; /* RENDER^2 pixels of 4 bytes: one cell being drawn */
     uint8_t *mip;  /* RENDER^2 */
@@ -90,7 +87,7 @@ static bool draw_maps(sheet *s) {
     for (uint32_t j = 0; j < RENDER; j++)
         for (uint32_t i = 0; i < RENDER; i++)
             put(s, i, j, hs_colour_label(s->data->label[(size_t)at(j, v->ny) * v->nx + at(i, v->nx)]));
-    if (!place(s, 3, 1, "Label map: fetus orange, sac only blue")) return false;
+    if (!place(s, 3, 0, "Label map: fetus orange, sac only blue")) return false;
     for (uint32_t j = 0; j < RENDER; j++)
         for (uint32_t i = 0; i < RENDER; i++) {
             size_t pixel = (size_t)at(j, v->ny) * v->nx + at(i, v->nx);
@@ -100,20 +97,7 @@ static bool draw_maps(sheet *s) {
         }
     char text[96];
     snprintf(text, sizeof text, "Width of the interval: 0 (dark) .. %.0f slices", (double)widest);
-    return place(s, 0, 2, text);
-}
-
-static bool draw_points(sheet *s) {
-    for (uint32_t j = 0; j < RENDER; j++)
-        for (uint32_t i = 0; i < RENDER; i++) {
-            const hs_scene_points *p = s->points;
-            uint8_t kind = p->width && p->height
-                               ? p->kind[(size_t)at(j, p->height) * p->width + at(i, p->width)]
-                               : HS_POINT_NONE;
-            uint32_t dim = grey((uint8_t)(s->mip[(size_t)j * RENDER + i] / 2));
-            put(s, i, j, kind == HS_POINT_RIGHT ? RIGHT_COLOUR : kind == HS_POINT_WRONG ? WRONG_COLOUR : dim);
-        }
-    return place(s, 3, 0, "Initial points: right green, wrong red");
+    return place(s, 3, 1, text);
 }
 
 /* Bars of all grey levels; the zeros' bar is cut where it is higher than twice the rest. */
@@ -128,7 +112,7 @@ static bool draw_histogram(sheet *s) {
             const bool threshold = i == 81; /* 40.5 */
             put(s, i, j, RENDER - j <= height ? 0xc9ced6u : threshold ? FAR_COLOUR : HS_COLOUR_NO_VALUE);
         }
-    return place(s, 1, 2, "Histogram 0 .. 255, with T_L");
+    return place(s, 0, 2, "Histogram 0 .. 255, with T_L");
 }
 
 static bool draw_facts(sheet *s) {
@@ -136,26 +120,20 @@ static bool draw_facts(sheet *s) {
     size_t pixels = (size_t)v->nx * v->ny, labels[3] = {0}, zeros = 0;
     for (size_t i = 0; i < pixels; i++) labels[s->data->label[i]]++;
     for (size_t i = 0; i < hs_volume_count(v); i++) zeros += v->voxels[i] == 0;
-    const double rays = fmax(1.0, (double)s->points->width * s->points->height),
-                 found = s->points->right + s->points->wrong;
-    char line[6][128];
+    char line[3][128];
     snprintf(line[0], sizeof line[0], "%u x %u x %u voxels of %.3g mm", v->nx, v->ny, v->nz, v->spacing[0]);
     snprintf(line[1], sizeof line[1], "not scanned: %.1f %%",
              100.0 * (double)zeros / (double)hs_volume_count(v));
     snprintf(line[2], sizeof line[2], "rays: fetus %.1f %%, sac only %.1f %%",
              100.0 * (double)labels[2] / (double)pixels, 100.0 * (double)labels[1] / (double)pixels);
-    snprintf(line[3], sizeof line[3], "initial points: %.1f %% of the rays", 100.0 * found / rays);
-    snprintf(line[4], sizeof line[4], "of them right: %.0f %%",
-             found > 0.0 ? 100.0 * s->points->right / found : 0.0);
-    snprintf(line[5], sizeof line[5], "largest mean over 3 x 3 x 3 voxels: %u", s->points->maximum);
-    bool ok = caption(s, 2, 2, "Facts");
-    for (int i = 0; i < 6; i++)
-        ok = ok && hs_picture_text(s->out, cell_x(2), cell_y(2) + 24 + 26 * i, 16, HS_COLOUR_TEXT,
+    bool ok = caption(s, 1, 2, "Facts");
+    for (int i = 0; i < 3; i++)
+        ok = ok && hs_picture_text(s->out, cell_x(1), cell_y(2) + 24 + 26 * i, 16, HS_COLOUR_TEXT,
                                    HS_ALIGN_LEFT, 2 * CELL, line[i], s->err);
     return ok &&
-           hs_picture_text(s->out, cell_x(2), cell_y(2) + 200, 14, NEAR_COLOUR, HS_ALIGN_LEFT, CELL,
+           hs_picture_text(s->out, cell_x(1), cell_y(2) + 122, 14, NEAR_COLOUR, HS_ALIGN_LEFT, CELL,
                            "near end of the interval", s->err) &&
-           hs_picture_text(s->out, cell_x(2), cell_y(2) + 222, 14, FAR_COLOUR, HS_ALIGN_LEFT, CELL,
+           hs_picture_text(s->out, cell_x(1), cell_y(2) + 144, 14, FAR_COLOUR, HS_ALIGN_LEFT, CELL,
                            "far end of the interval", s->err);
 }
 
@@ -203,7 +181,7 @@ static bool draw_rendered(sheet *s, const hs_cl *cl) {
     hs_dvr_destroy(dvr);
     if (!ok) return false;
     for (uint32_t i = 0; i < RENDER * RENDER; i++) put(s, i % RENDER, i / RENDER, grey(s->mip[i]));
-    return place(s, 2, 0, "Maximum intensity projection") && draw_points(s);
+    return place(s, 2, 0, "Maximum intensity projection");
 }
 
 static bool draw_all(sheet *s, const hs_cl *cl, const char *title) {
@@ -216,10 +194,10 @@ static bool draw_all(sheet *s, const hs_cl *cl, const char *title) {
 }
 
 bool hs_scene_sheet(const hs_cl *cl, const hs_dvr_settings *drawing, const hs_scene_data *data,
-                    const hs_scene_points *points, const char *title, hs_picture *out, hs_error *err) {
+                    const char *title, hs_picture *out, hs_error *err) {
     const uint32_t width = GAP + COLUMNS * (CELL + GAP), height = HEADER + ROWS * (CELL + CAPTION + GAP);
     if (!hs_picture_init(out, width, height, HS_COLOUR_BACKGROUND, err)) return false;
-    sheet s = {.out = out, .data = data, .points = points, .settings = *drawing, .err = err};
+    sheet s = {.out = out, .data = data, .settings = *drawing, .err = err};
     s.settings.width = s.settings.height = RENDER;
     s.rgba = malloc((size_t)RENDER * RENDER * 4);
     s.mip = malloc((size_t)RENDER * RENDER);

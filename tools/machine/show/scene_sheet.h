@@ -7,13 +7,11 @@
 #include "render/dvr_settings.h"
 #include "scene/scene.h"
 
-/*
- * Four columns: DVR of the full volume, DVR of the ground truth, MIP, initial points (right ones green, wrong
- * ones red); three slices with the admissible interval drawn in (near end blue, far end orange), label map;
- * width of the interval, histogram, and the facts. `drawing` says how the
- * renderings look; their size is the sheet's own. The caller frees *out. HS_ERR_DEVICE, HS_ERR_MEMORY.
- */
+/* Four columns: DVR of the full volume, DVR of the ground truth, MIP, label map; three slices with the
+ * admissible interval drawn in (near end blue, far end orange), its width; histogram, and the facts.
+ * `drawing` says how the renderings look; their size is the sheet's own. The caller frees *out.
+ * HS_ERR_DEVICE, HS_ERR_MEMORY. */
 bool hs_scene_sheet(const hs_cl *cl, const hs_dvr_settings *drawing, const hs_scene_data *data,
-                    const hs_scene_points *points, const char *title, hs_picture *out, hs_error *err);
+                    const char *title, hs_picture *out, hs_error *err);
 
 #endif
