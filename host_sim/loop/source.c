@@ -210,7 +210,7 @@ bool hs_source_open_scene(hs_source *source, const hs_source_scene *what, hs_err
     for (uint32_t i = 0; ok && i < what->volumes; i++) {
         const hs_scene_options options = {
             .size = what->size, .seed = what->seed, .frame = i, .real = what->real};
-        ok = hs_scene_frame(scene, &options, &source->scenes[i], NULL, err);
+        ok = hs_scene_frame(scene, &options, &source->scenes[i], err);
         source->volumes[i] = &source->scenes[i].full;
         source->truths[i] = &source->scenes[i].truth;
         if (what->volumes > 1) hs_progress_step(&progress, i + 1u);

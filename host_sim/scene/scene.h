@@ -50,7 +50,7 @@ const char *hs_scene_of_group(hs_scene_group group, uint32_t index);
  * HS_ERR_INPUT or HS_ERR_MEMORY. */
 char *hs_scene_text(const char *name_or_path, char *path, size_t size, hs_error *err);
 
-/* Milliseconds each step took; 0 for a step that the scene does not list. */
+/* What a scene is made in, one after the other. */
 enum {
     HS_SCENE_STEP_RASTER,        /* solids to voxels */
     HS_SCENE_STEP_ECHO,          /* echogenicity and interfaces */
@@ -69,12 +69,6 @@ enum {
     HS_SCENE_STEP_TRUTH,         /* intervals, label map, clipped volume */
     HS_SCENE_STEPS
 };
-typedef struct {
-    double ms[HS_SCENE_STEPS];
-    double total_ms;
-} hs_scene_times;
-/* A step's name, e.g. "edge shadow". */
-const char *hs_scene_step_name(int step);
 
 /* A scene that was read from its file. Read-only after that: any number of threads may generate from it. */
 typedef struct hs_scene hs_scene;
@@ -107,9 +101,8 @@ typedef struct {
     const char *real;
 } hs_scene_options;
 
-/* One frame of a scene with its truth. `times` may be NULL. On failure *out is zeroed. Same arguments,
- * same bytes. */
+/* One frame of a scene with its truth. On failure *out is zeroed. Same arguments, same bytes. */
 bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_scene_data *out,
-                    hs_scene_times *times, hs_error *err);
+                    hs_error *err);
 
 #endif

@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 struct hs_scene {
     char *json;
@@ -46,10 +45,6 @@ static const struct {
     [HS_SCENE_STEP_CAMERA] = {"camera", NULL, offsetof(hs_scene_spec, camera_deg)},
     [HS_SCENE_STEP_TRUTH] = {"truth", NULL, ALWAYS},
 };
-
-const char *hs_scene_step_name(int step) {
-    return step >= 0 && step < HS_SCENE_STEPS ? steps[step].name : "?";
-}
 
 const char *hs_scene_name(const hs_scene *scene) {
     return scene->spec.name;
@@ -99,12 +94,6 @@ void hs_scene_close(hs_scene *scene) {
     free(scene);
 }
 
-static double now_ms(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
-
 /* What one frame is made from. */
 typedef struct {
     hs_scene_spec spec; /* moved to the frame */
@@ -112,7 +101,6 @@ typedef struct {
     hs_solid_list solids;
     const hs_volume *given; /* NULL but for a real scene */
     hs_scene_data *data;
-    hs_scene_times *times;
     hs_error *err;
     uint64_t skip;
 } making;
@@ -150,11 +138,9 @@ static bool wanted(const making *m, int step) {
 
 static bool run_steps(making *m) {
     for (int step = 0; step < HS_SCENE_STEPS; step++) {
-        double start = now_ms();
         bool run = wanted(m, step);
         if (run && !run_step(m, step)) return false;
         if (!run && step == HS_SCENE_STEP_SPECKLE) hs_scene_add_powers(&m->field);
-        m->times->ms[step] = run ? now_ms() - start : 0.0;
     }
     return true;
 }
@@ -226,21 +212,17 @@ static void choose_grid(const making *m, uint32_t size, uint32_t n[3], float h[3
 }
 
 bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_scene_data *out,
-                    hs_scene_times *times, hs_error *err) {
+                    hs_error *err) {
     memset(out, 0, sizeof *out);
     if (!check_options(scene, options, err)) return false;
     making *m = calloc(1, sizeof *m);
     if (!m) return hs_fail(err, HS_ERR_MEMORY, "scene %s: no memory", scene->spec.name);
-    hs_scene_times unused;
     hs_volume given = {0};
-    double start = now_ms();
     m->spec = scene->spec;
     m->given = options->real ? &given : NULL;
     m->data = out;
-    m->times = times ? times : &unused;
     m->err = err;
     m->skip = options->skip;
-    memset(m->times, 0, sizeof *m->times);
     hs_scene_move(&m->spec, options->frame);
     m->field.threads = hs_thread_count(options->threads);
     m->field.seed = options->seed ? options->seed : m->spec.seed;
@@ -253,7 +235,6 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
         choose_grid(m, options->size, n, h);
         ok = make(m, n, h);
     }
-    m->times->total_ms = now_ms() - start;
     if (!ok) hs_scene_free(out);
     hs_field_free(&m->field);
     hs_solid_list_free(&m->solids);

@@ -74,7 +74,7 @@ bool wall_case_make(const char *name, uint64_t seed, uint32_t pose, uint32_t fra
     hs_scene *scene = hs_scene_open(pose ? path : name, err);
     if (pose) (void)unlink(path);
     if (!scene) return false;
-    const bool made = hs_scene_frame(scene, &options, &data, NULL, err);
+    const bool made = hs_scene_frame(scene, &options, &data, err);
     hs_scene_close(scene);
     if (!made) return false;
     const bool ok = wall_case_scene(&data, name, out, err);

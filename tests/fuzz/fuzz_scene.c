@@ -29,7 +29,7 @@ static void generate(const hs_scene *scene) {
     hs_error err = {0};
     hs_scene_data made;
     const hs_scene_options options = {.size = SIDE, .threads = 1};
-    if (hs_scene_frame(scene, &options, &made, NULL, &err)) {
+    if (hs_scene_frame(scene, &options, &made, &err)) {
         check_truth(&made);
         hs_scene_free(&made);
     } else {

@@ -41,11 +41,11 @@ double level_db(int16_t level) {
     return (double)level / HS_LEVEL_ONE;
 }
 
-hs_scene_data scene_frame(hs_scene *scene, const hs_scene_options *options, hs_scene_times *times) {
+hs_scene_data scene_frame(hs_scene *scene, const hs_scene_options *options) {
     hs_error err = {0};
     hs_scene_data *out = unit_memory(sizeof *out);
     unit_keep(free_scene, out);
-    if (!hs_scene_frame(scene, options, out, times, &err)) fail_msg("%s", err.text);
+    if (!hs_scene_frame(scene, options, out, &err)) fail_msg("%s", err.text);
     hs_scene_close(scene);
     return *out;
 }
@@ -54,8 +54,8 @@ hs_scene_data make_scene(const char *name, uint32_t size, uint32_t threads, uint
     hs_error err = {0};
     hs_scene *scene = hs_scene_open(name, &err);
     if (!scene) fail_msg("%s", err.text);
-    return scene_frame(
-        scene, &(hs_scene_options){.size = size, .threads = threads, .seed = seed, .frame = frame}, NULL);
+    return scene_frame(scene,
+                       &(hs_scene_options){.size = size, .threads = threads, .seed = seed, .frame = frame});
 }
 
 uint8_t scene_voxel(const uint8_t *voxels, const hs_volume *v, size_t pixel, long z) {
@@ -105,5 +105,5 @@ hs_scene_data make_text_scene(const char *text, uint32_t size) {
     hs_error err = {0};
     hs_scene *scene = scene_of_text(text, &err);
     if (!scene) fail_msg("%s", err.text);
-    return scene_frame(scene, &(hs_scene_options){.size = size, .threads = 2}, NULL);
+    return scene_frame(scene, &(hs_scene_options){.size = size, .threads = 2});
 }

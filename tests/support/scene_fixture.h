@@ -46,7 +46,7 @@ hs_scene_data make_text_scene(const char *text, uint32_t size);
 /* One frame of a scene. */
 hs_scene_data make_scene(const char *name, uint32_t size, uint32_t threads, uint64_t seed, uint32_t frame);
 
-/* The same of an open one, which is closed. `times` may be NULL. */
-hs_scene_data scene_frame(hs_scene *scene, const hs_scene_options *options, hs_scene_times *times);
+/* The same of an open one, which is closed. */
+hs_scene_data scene_frame(hs_scene *scene, const hs_scene_options *options);
 
 #endif

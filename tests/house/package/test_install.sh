@@ -77,7 +77,7 @@ holds said "$prefix/lib/smartvis/smartvis.so"
 holds works "${run[@]}"
 holds said 'Frames: 2 clipped'
 holds test -s "$work/run/panel.png"
-holds works "$host_sim" scenes E01 --size 32 --times
+holds works "$host_sim" scenes E01 --size 32
 
 # --- CMake: every example as a copy; the wrong version is refused
 for name in first_edge kernel_edge small_host queue_host deadline_host cpp; do

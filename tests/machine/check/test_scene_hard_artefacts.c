@@ -178,7 +178,7 @@ static void a_turned_camera_sees_the_same_scan(void **state) {
     hs_scene *scene = hs_scene_open_with("E03", &turned, 1, &err);
     assert_non_null(scene);
     const hs_scene_options options = {.size = SIDE, .threads = 3};
-    const hs_scene_data side = scene_frame(scene, &options, NULL);
+    const hs_scene_data side = scene_frame(scene, &options);
     size_t tissues = 0;
     for (size_t z = 0; z < SIDE; z++)
         for (size_t y = 0; y < SIDE; y++)

@@ -142,12 +142,12 @@ static void names_missing_files_and_bad_options(void **state) {
     memset(&err, 0, sizeof err);
     hs_scene_data data;
     hs_scene *scene = hs_scene_open("D01", &err);
-    assert_false(hs_scene_frame(scene, &(hs_scene_options){.size = 31}, &data, NULL, &err));
+    assert_false(hs_scene_frame(scene, &(hs_scene_options){.size = 31}, &data, &err));
     hs_scene_close(scene);
     unit_told(err, HS_ERR_USAGE, "size is 31, expected 32 .. 512");
     memset(&err, 0, sizeof err);
     scene = hs_scene_open("real", &err);
-    assert_false(hs_scene_frame(scene, &(hs_scene_options){.size = 64}, &data, NULL, &err));
+    assert_false(hs_scene_frame(scene, &(hs_scene_options){.size = 64}, &data, &err));
     hs_scene_close(scene);
     assert_non_null(strstr(err.text, "needs a volume"));
     assert_null(data.full.voxels);

@@ -194,7 +194,7 @@ static void artefacts_are_switched(void **state) {
         hs_scene *scene = hs_scene_open_with("E01", &sets[i], 1, &err);
         if (!scene) fail_msg("%s", err.text);
         const hs_scene_options options = {.size = 64, .threads = 2};
-        const hs_scene_data other = scene_frame(scene, &options, NULL);
+        const hs_scene_data other = scene_frame(scene, &options);
         size_t changed = 0;
         for (size_t v = 0; v < hs_volume_count(&plain.full); v++)
             changed += plain.full.voxels[v] != other.full.voxels[v];

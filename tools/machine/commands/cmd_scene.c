@@ -30,7 +30,7 @@ typedef struct {
     uint32_t random;         /* scenes of a random set; 0: none */
     uint64_t random_seed;    /* of the set */
     hs_dvr_settings drawing; /* of the sheet */
-    bool all, hard, list, ranges, json, export, vol, sheet, times, help;
+    bool all, hard, list, ranges, json, export, vol, sheet, help;
 } scene_line;
 
 static bool take_set(void *target, const char *text, hs_error *err) {
@@ -82,8 +82,6 @@ static const hs_option options[] = {
      AT(drawing.look), 0, 0, hs_look_line_look},
     {"light", "AZ,EL", "where the lamp of the lit look is, degrees: right, up (default -35,40)\n",
      HS_OPTION_TAKEN, AT(drawing.light), 0, 0, hs_look_line_light},
-    {"times", NULL, "print what each step cost, in milliseconds; '-': the scene does not list it\n",
-     HS_OPTION_FLAG, AT(times), 0, 0, NULL},
     {"out", "FOLDER", "where files go (default out/scenes)\n", HS_OPTION_TEXT, AT(out), 0, 0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
@@ -146,21 +144,12 @@ static void print_ranges(void) {
     }
 }
 
-static void print_times(const hs_scene_times *times) {
-    for (int i = 0; i < HS_SCENE_STEPS; i++) {
-        if (times->ms[i] > 0.0)
-            hs_print(stdout, "    %-14s %8.1f ms\n", hs_scene_step_name(i), times->ms[i]);
-        else
-            hs_print(stdout, "    %-14s        -\n", hs_scene_step_name(i));
-    }
-}
-
-static void print_facts(const char *name, const hs_scene_data *data, const hs_scene_times *times) {
+static void print_facts(const char *name, const hs_scene_data *data) {
     size_t labels[3] = {0}, pixels = (size_t)data->full.nx * data->full.ny;
     for (size_t i = 0; i < pixels; i++) labels[data->label[i]]++;
-    hs_print(stdout, "%-10s %u x %u x %u in %.0f ms; rays: fetus %.1f %%, sac only %.1f %%\n", name,
-             data->full.nx, data->full.ny, data->full.nz, times->total_ms,
-             100.0 * (double)labels[2] / (double)pixels, 100.0 * (double)labels[1] / (double)pixels);
+    hs_print(stdout, "%-10s %u x %u x %u; rays: fetus %.1f %%, sac only %.1f %%\n", name, data->full.nx,
+             data->full.ny, data->full.nz, 100.0 * (double)labels[2] / (double)pixels,
+             100.0 * (double)labels[1] / (double)pixels);
 }
 
 static bool write_sheet(const scene_line *r, const hs_scene *scene, const char *name,
@@ -189,7 +178,6 @@ static bool make_frame(const scene_line *r, const hs_scene *scene, uint32_t fram
                        hs_vol_export *files, hs_error *err) {
     hs_scene_options one = r->options;
     hs_scene_data data;
-    hs_scene_times times;
     char name[96], prefix[1024];
     one.frame = frame;
     if (r->frames > 1)
@@ -197,10 +185,9 @@ static bool make_frame(const scene_line *r, const hs_scene *scene, uint32_t fram
     else
         snprintf(name, sizeof name, "%s", hs_scene_name(scene));
     if (!hs_path_join(r->out, name, prefix, sizeof prefix, err)) return false;
-    if (!hs_scene_frame(scene, &one, &data, &times, err)) return false;
+    if (!hs_scene_frame(scene, &one, &data, err)) return false;
     bool ok = true;
-    print_facts(name, &data, &times);
-    if (r->times) print_times(&times);
+    print_facts(name, &data);
     if (r->export) ok = export_frame(r, scene, prefix, &data, files, err);
     if (ok && r->sheet) ok = write_sheet(r, scene, name, &data, cl, err);
     hs_scene_free(&data);
