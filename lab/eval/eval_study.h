@@ -233,10 +233,10 @@ bool hs_eval_study_values(const hs_eval_study *study, hs_eval_setting setting, h
                           hs_error *err);
 
 /* ----------------------------------------------------------------------------------------------- speed -- */
-/* How fast a plugin is on the cases of a study, by the wall clock (thesis 5.4, Figures 5.19 and 5.21). */
+/* How fast a plugin is on the cases of a study, by the wall clock (thesis 5.4, Figure 5.21). */
 
-/* Figures 5.19 and 5.21, into the case's result: options->frames frames (0: nothing) of the three settings
- * with `values`, pictures of 512 x 512. The case must be released (hs_eval_case_release). */
+/* Figure 5.21 and Table 5.4, into the case's result: options->frames frames (0: nothing) of the three
+ * settings with `values`, pictures of 512 x 512. The case must be released (hs_eval_case_release). */
 bool hs_eval_speed_settings(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
                             const hs_eval_values *values, hs_error *err);
 

@@ -201,35 +201,23 @@ void hs_plot_heat_write(FILE *out, const hs_plot_heat *plot) {
 
 /* --------------------------------------------------------------------------------------------- bars -- */
 
-static double group_height(const hs_plot_bars *plot, uint32_t group) {
-    double height = 0;
-    for (uint32_t i = 0; i < plot->series; i++) {
-        const double value = plot->value[group * plot->series + i];
-        height = plot->stacked ? height + value : fmax(height, value);
-    }
-    return height;
-}
-
 static void draw_group(FILE *out, const hs_plot_bars *plot, uint32_t group, double top) {
     const double w = (double)(HS_PLOT_RIGHT - HS_PLOT_LEFT) / plot->groups;
-    const double x = HS_PLOT_LEFT + (group + 0.15) * w, bar = 0.7 * w / (plot->stacked ? 1 : plot->series);
-    double below = 0;
+    const double x = HS_PLOT_LEFT + (group + 0.15) * w, bar = 0.7 * w / plot->series;
     for (uint32_t i = 0; i < plot->series; i++) {
         const double value = plot->value[group * plot->series + i];
-        const double y = hs_plot_y(below + value, top);
+        const double y = hs_plot_y(value, top);
         (void)fprintf(out,
                       "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"#%06x\">"
                       "<title>%.4g</title></rect>\n",
-                      x + (plot->stacked ? 0 : i * bar), y, bar, hs_plot_y(below, top) - y, hs_plot_colour(i),
-                      value);
-        if (plot->stacked) below += value;
+                      x + i * bar, y, bar, HS_PLOT_BOTTOM - y, hs_plot_colour(i), value);
     }
     hs_plot_tick(out, x + 0.35 * w, group, plot->group[group]);
 }
 
 void hs_plot_bars_write(FILE *out, const hs_plot_bars *plot) {
     double largest = 0;
-    for (uint32_t g = 0; g < plot->groups; g++) largest = fmax(largest, group_height(plot, g));
+    for (uint32_t i = 0; i < plot->groups * plot->series; i++) largest = fmax(largest, plot->value[i]);
     hs_plot_begin(out, plot->title, "case", plot->y_label);
     const double top = hs_plot_y_axis(out, largest);
     for (uint32_t g = 0; g < plot->groups; g++) draw_group(out, plot, g, top);

@@ -17,14 +17,13 @@ typedef struct {
 } hs_plot_heat;
 void hs_plot_heat_write(FILE *out, const hs_plot_heat *plot);
 
-/* Bars in groups, side by side or stacked. */
+/* Bars in groups, side by side. */
 typedef struct {
     const char *title, *y_label;
     uint32_t groups, series;  /* 1 .. 8 series */
     const char *const *group; /* names below the axis */
     const char *const *name;  /* of the series, in the legend */
     const double *value;      /* value[group * series + i], >= 0 */
-    int stacked;
 } hs_plot_bars;
 void hs_plot_bars_write(FILE *out, const hs_plot_bars *plot);
 

@@ -152,7 +152,7 @@ void hs_eval_figure_space(hs_page *report, const hs_eval_study *study, uint32_t 
 void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study);
 
 /* ----------------------------------------------------------------------------------------------- speed -- */
-/* Table 5.4 and Figures 5.19 and 5.21 of the thesis, for our cases on this machine. */
+/* Table 5.4 and Figure 5.21 of the thesis, for our cases on this machine. */
 
 /* Nothing if no speed was measured. */
 void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study);

@@ -104,8 +104,6 @@ void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study) {
 
 #define STAGES 5 /* of the plugin, as smartvis.timing/1 tells them */
 
-static const char *const stage_names[STAGES] = {"transfer", "ray profiles", "threshold", "surface", "output"};
-
 static void stage_ms(const hs_loop_result *r, double ms[STAGES]) {
     const sv_stage_times *t = &r->plugin_stages;
     ms[0] = t->transfer_ms;
@@ -123,30 +121,6 @@ static bool tells_stages(const hs_eval_study *study) {
     for (uint32_t i = 0; i < study->count; i++)
         if (!study->result[i].speed[HS_SETTING_SMARTVIS].has_plugin_stages) return false;
     return true;
-}
-
-/* Figure 5.19: the height of a bar is the plugin's frame rate, its parts are the stages' shares. */
-static void put_stages(hs_page *report, const hs_eval_study *study, const char *const *names) {
-    double value[HS_EVAL_MAX_CASES * STAGES];
-    if (!tells_stages(study)) return;
-    for (uint32_t i = 0; i < study->count; i++) {
-        const hs_loop_result *r = &study->result[i].speed[HS_SETTING_SMARTVIS];
-        double ms[STAGES], sum = 0;
-        stage_ms(r, ms);
-        for (int s = 0; s < STAGES; s++) sum += ms[s];
-        for (int s = 0; s < STAGES; s++)
-            value[i * STAGES + (uint32_t)s] = sum > 0 ? 1e3 / sum * ms[s] / sum : 0;
-    }
-    const hs_plot_bars plot = {.title =
-                                   "The plugin's frame rate, parted by stage (as the thesis' Figure 5.19)",
-                               .y_label = "frames of the plugin a second",
-                               .groups = study->count,
-                               .series = STAGES,
-                               .group = names,
-                               .name = stage_names,
-                               .value = value,
-                               .stacked = 1};
-    hs_eval_figure_put(report, write_bars, &plot);
 }
 
 /* Draws the thesis' Figure 5.21. */
@@ -236,7 +210,6 @@ void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
             "every ray what the rest needs; threshold finds what is bone, and so the initial points, "
             "where bone lies behind fluid; surface makes a depth for every ray of them; output writes "
             "the depthmap.");
-    put_stages(report, study, names);
     put_table(report, study);
     hs_page_text(report,
                  "The thesis' transfer is the preparation of a frame. Its threshold is called initial "
