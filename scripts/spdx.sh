@@ -16,7 +16,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 touch "$work/packages" "$work/relations"
 
-id_of() { echo "SPDXRef-$(sed 's/[^A-Za-z0-9.-]/-/g' <<< "$1")"; }
+id_of() { echo "SPDXRef-${1//[^A-Za-z0-9.-]/-}"; }
 package() { # package NAME VERSION URL: adds it, if it is not there yet; URL is its purl, or nothing
     local id
     id=$(id_of "$1")
@@ -39,6 +39,7 @@ owner() {
     { dpkg-query -S "$path" 2> /dev/null || dpkg-query -S "${path#/usr}" 2> /dev/null || dpkg-query -S "/usr$path"; } | sed 's/:.*//;q'
 }
 
+declare -A owners # dpkg takes long to look for a file: each once
 package smartvis "$version"
 for part in smartvis.so smartvis_check.so host_sim sv_validate sv_replay sv_bench; do
     [ -e "$build/$part" ] || continue
@@ -47,7 +48,7 @@ for part in smartvis.so smartvis_check.so host_sim sv_validate sv_replay sv_benc
     for name in $(LC_ALL=C readelf -dW "$build/$part" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p'); do
         path=$(ldd "$build/$part" | awk -v name="$name" '$1 == name { print $3 }')
         [ -n "$path" ] || { echo "spdx: $part needs $name, which is not found here" >&2; exit 1; }
-        from=$(owner "$(realpath "$path")")
+        from=${owners[$path]:=$(owner "$(realpath "$path")")}
         debian "$from"
         relation "$part" DEPENDS_ON "$from"
     done

@@ -110,7 +110,7 @@ void hs_eval_compare_print(const hs_eval_comparison *x, FILE *out);
 bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err);
 
 /* -------------------------------------------------------------------------------------------- pictures -- */
-/* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figures 5.19 - 5.21). */
+/* Pictures and speeds of one case at the common setting (thesis, section 5.3 and Figure 5.21). */
 
 /* Pictures, speeds and the direct measures of case `index` into "<out>/<case>/". The study must be concluded.
  * HS_ERR_OUTPUT names the path; HS_ERR_MEMORY, HS_ERR_PLUGIN or HS_ERR_DEVICE. */
