@@ -97,6 +97,7 @@ typedef struct {
      * the fetus' rays whose surface lies more than 2 mm behind `far`, and in front of `near`. NAN: not known.
      */
     double deep, shallow;
+    double confidence; /* mean over the labelled rays */
 } wall_score;
 
 /* Labelled rays by confidence: right ones (error at most 2 slices), wrong ones, and those of these that end
@@ -129,6 +130,8 @@ typedef struct {
     wall_score sum;
     double worst; /* largest error of a case */
     char worst_name[64];
+    double surest; /* largest mean confidence of a case of which more than a tenth is cut */
+    char surest_name[64];
     uint32_t count;
     uint32_t refused; /* cases that the method does not clip */
     uint32_t answers[SURF_ANSWERS];
@@ -142,6 +145,9 @@ wall_score site_score_mean(const site_score *score);
 
 /* Prints "error / cut / left, worst case", and with `sure` the confidence's AUC. */
 void site_score_print(const site_score *score, bool sure);
+
+/* Prints the surest case of which more than a tenth is cut, if there is one. */
+void site_score_print_surest(const site_score *score);
 
 /* Prints the error of the fetus' rays, and what the admissible depths say if all cases have them. */
 void site_score_print_fetus(const site_score *score);

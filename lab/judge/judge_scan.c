@@ -30,9 +30,11 @@ static bool print_set(const site_set *set, const char *plugin, const site_method
     if (!ok) return false;
     const wall_score mean = site_score_mean(&score);
     print_answers(m->settings, told, score.answers);
-    printf("  %5.2f slices  cut %5.2f %%  left %5.2f %%  AUC cut %.3f, left %.3f\n", mean.error,
+    printf("  %5.2f slices  cut %5.2f %%  left %5.2f %%  AUC cut %.3f, left %.3f", mean.error,
            100.0 * mean.cut, 100.0 * mean.left, wall_auc(&score.calibration, WALL_CUT),
            wall_auc(&score.calibration, WALL_LEFT));
+    site_score_print_surest(&score);
+    printf("\n");
     return true;
 }
 

@@ -40,6 +40,7 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
     hs_eval_tally by_label[2] = {{0}};
     hs_measures m;
     uint64_t deep = 0, shallow = 0;
+    double rays = 0.0, confident = 0.0;
     for (size_t i = 0; i < (size_t)c->nx * c->ny; i++) {
         if (c->label[i] == HS_LABEL_NEITHER) continue;
         const int32_t e = (int32_t)(c->truth[i] - wall_ray_end(c, original, i, depth[i]));
@@ -47,6 +48,8 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
         hs_eval_count(by_label, c->label[i], e, true, tolerance);
         if (c->label[i] == HS_LABEL_FETUS && c->far) judge_interval(c, i, depth[i], &deep, &shallow);
         const bool wrong = (uint32_t)abs(e) > tolerance;
+        rays += 1.0;
+        confident += (double)confidence[i];
         calibration->right[bin] += !wrong;
         calibration->wrong[bin] += wrong;
         calibration->cut[bin] += wrong && e < 0;
@@ -58,7 +61,8 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
                         .left = known(m.of[HS_MEASURE_OCCLUDER_LEFT]),
                         .fetus = (double)scale * known(m.of[HS_MEASURE_ABS_FETUS]),
                         .deep = c->far ? (double)deep / fetus : NAN,
-                        .shallow = c->far ? (double)shallow / fetus : NAN};
+                        .shallow = c->far ? (double)shallow / fetus : NAN,
+                        .confidence = confident / fmax(rays, 1.0)};
 }
 
 void wall_calibration_add(wall_calibration *to, const wall_calibration *from) {
@@ -103,6 +107,7 @@ static bool wall_reliability(const wall_calibration *t, double low, double high,
 /* ---------------------------------------------------------------------------------------------- a site -- */
 
 enum { TENTHS = 10, LEAST_RAYS = 100 };
+static const double much_cut = 0.1;
 
 void site_score_add(site_score *to, const char *name, const wall_score *score) {
     to->sum.error += score->error;
@@ -111,17 +116,26 @@ void site_score_add(site_score *to, const char *name, const wall_score *score) {
     to->sum.fetus += score->fetus;
     to->sum.deep += score->deep;
     to->sum.shallow += score->shallow;
+    to->sum.confidence += score->confidence;
     if (to->count == 0 || score->error > to->worst) {
         to->worst = score->error;
         (void)snprintf(to->worst_name, sizeof to->worst_name, "%s", name);
     }
+    if (score->cut > much_cut && score->confidence > to->surest) {
+        to->surest = score->confidence;
+        (void)snprintf(to->surest_name, sizeof to->surest_name, "%s", name);
+    }
     to->count++;
+}
+
+void site_score_print_surest(const site_score *s) {
+    if (s->surest > 0.0) printf("  cut above 10 %%: confidence %.2f %s", s->surest, s->surest_name);
 }
 
 wall_score site_score_mean(const site_score *s) {
     const double n = s->count ? s->count : 1.0;
-    return (wall_score){s->sum.error / n, s->sum.cut / n,  s->sum.left / n,
-                        s->sum.fetus / n, s->sum.deep / n, s->sum.shallow / n};
+    return (wall_score){s->sum.error / n, s->sum.cut / n,     s->sum.left / n,      s->sum.fetus / n,
+                        s->sum.deep / n,  s->sum.shallow / n, s->sum.confidence / n};
 }
 
 void site_score_print(const site_score *s, bool sure) {
@@ -133,6 +147,7 @@ void site_score_print(const site_score *s, bool sure) {
                wall_auc(&s->calibration, WALL_CUT), wall_auc(&s->calibration, WALL_LEFT));
     else
         printf("  no confidence");
+    if (sure) site_score_print_surest(s);
     if (s->refused) printf("  %u refused", s->refused);
     printf("\n");
 }
