@@ -14,7 +14,7 @@ checked=0 failed=0
 record() { # record FILE OPTIONS PLUGIN ARGUMENTS...: of host_sim run
     local file=$1 options=$2 plugin=$3
     shift 3
-    SMARTVIS_CHECK_PLUGIN=$plugin SMARTVIS_RECORD=$file SMARTVIS_RECORD_OPTIONS=$options "$build/host_sim" run --scene E02 --size 64 --picture 64 --panel 64 \
+    SMARTVIS_CHECK_PLUGIN=$plugin SMARTVIS_RECORD=$file SMARTVIS_RECORD_OPTIONS=$options "$build/host_sim" run --scene E02 --size 64 --picture 64 --few-pictures \
         --setting smartvis --no-guard --plugin "$build/smartvis_check.so" --out "$work/run" "$@" > "$work/host" 2>&1
 }
 replay() { "$build/sv_replay" "$@" > "$work/said" 2>&1; }
