@@ -174,47 +174,6 @@ bool hs_eval_study_values(const hs_eval_study *study, hs_eval_setting setting, h
             hs_eval_values_add(values, plan->knob.info.id, plan->knob.value[setting.knob], err));
 }
 
-/* ------------------------------------------------------------------------------------- direct check -- */
-
-/* A linear congruential generator (Numerical Recipes' constants): the same settings on every machine. */
-static uint32_t next_random(uint32_t *state) {
-    *state = *state * 1664525u + 1013904223u;
-    return *state >> 8;
-}
-
-static bool check_setting(hs_eval_study *study, const hs_eval_space *space, hs_eval_case *c,
-                          hs_eval_setting setting, hs_error *err) {
-    hs_eval_values values;
-    hs_measures direct;
-    sv_status outcome;
-    if (!hs_eval_study_values(study, setting, &values, err) ||
-        !hs_eval_case_direct(c, &values, &direct, &outcome, err))
-        return false;
-    for (int m = 0; m < 3; m++) {
-        const double a = (double)hs_eval_at(space, setting)->of[m], b = (double)direct.of[m];
-        const double off = isnan(a) && isnan(b) ? 0.0 : fabs(a - b);
-        if (!(off <= study->check_worst[m])) study->check_worst[m] = off;
-    }
-    study->checked++;
-    return true;
-}
-
-/* This case's share of the settings that --check asks for. */
-static bool check_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
-    const hs_eval_space *space = &study->space[index];
-    const hs_eval_plan *plan = &study->plan;
-    const uint32_t cases = study->options->case_count;
-    const uint32_t wanted = study->options->check / cases + (index < study->options->check % cases);
-    uint32_t state = index + 1u;
-    for (uint32_t n = 0; n < wanted; n++) {
-        const hs_eval_setting setting = {next_random(&state) % plan->threshold.count,
-                                         next_random(&state) % plan->kernel.count,
-                                         next_random(&state) % plan->knob.count};
-        if (!check_setting(study, space, c, setting, err)) return false;
-    }
-    return true;
-}
-
 /* ---------------------------------------------------------------------------------------------- run -- */
 
 bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
@@ -232,7 +191,6 @@ bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, 
 }
 
 bool hs_eval_study_finish(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
-    if (!check_case(study, index, c, err)) return false;
     const hs_error *failure = hs_loop_plugin_error(c->loop);
     if (failure->code != HS_OK) (void)hs_fail(&study->plugin_error, failure->code, "%s", failure->text);
     return plain_measure(study, index, c, err);

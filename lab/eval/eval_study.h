@@ -29,7 +29,6 @@ typedef struct {
     const char *real;                       /* the volume of the scene "real"; NULL: none */
     hs_metaimage_options read;              /* how files are read */
     bool coarse;                            /* a fifth of the positions on every axis */
-    uint32_t check;                         /* settings to measure the direct way, too */
     uint32_t frames;                        /* of a measurement of speed; 0: none */
     const char *compare[HS_EVAL_MAX_CASES]; /* "library[ key=value]..." */
     uint32_t compare_count;
@@ -201,8 +200,6 @@ typedef struct hs_eval_study {
     hs_eval_result result[HS_EVAL_MAX_CASES];
     hs_eval_mean mean;
     hs_eval_plain plain;
-    double check_worst[3]; /* steps: largest difference of e_abs, e_pos, e_neg to the direct way */
-    uint32_t checked;
     hs_error plugin_error; /* the plugin's first failure */
 } hs_eval_study;
 
@@ -218,9 +215,8 @@ bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, h
 
 /*
  * Cases are measured in their order, each in three steps. Begin opens the case, and its space without
- * results. Then the caller fills the space by hs_eval_space_run. Finish measures this
- * case's share of options->check the direct way, keeps the plugin's first failure, and measures the plugin as
- * it is; only hs_eval_case_close may follow. If begin fails the case is closed.
+ * results. Then the caller fills the space by hs_eval_space_run. Finish keeps the plugin's first failure, and
+ * measures the plugin as it is; only hs_eval_case_close may follow. If begin fails the case is closed.
  */
 bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);
 bool hs_eval_study_finish(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err);

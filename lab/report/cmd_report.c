@@ -90,8 +90,6 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_quick},
     {"frames", "N", "frames of a measurement of speed; 0 measures none [20]\n", HS_OPTION_COUNT, AT(frames),
      0, 10000, NULL},
-    {"check", "N", "measures N settings the direct way, too; exit code 1 if they differ by 0.001 steps\n",
-     HS_OPTION_COUNT, AT(check), 0, 1000000, NULL},
     {"look", "NAME", "how pictures are drawn: thesis or lit [lit]; measures always use thesis\n",
      HS_OPTION_TAKEN, AT(look), 0, 0, hs_look_line_look},
     {"light", "AZ,EL", "where the lamp of the lit look is, degrees from the viewer: right, up [-35,40]\n",
@@ -137,8 +135,6 @@ static void hs_report_line_help(void) {
 
 /* --------------------------------------------------------------------------------------------- command -- */
 
-#define CHECK_TOLERANCE 1e-3 /* steps */
-
 /* ------------------------------------------------------------------------------ the parameter space -- */
 
 /* The space of an open case, and its file. */
@@ -172,21 +168,6 @@ static bool run_cases(hs_eval_study *study, hs_error *err) {
     return true;
 }
 
-static void print_check(const hs_eval_study *study) {
-    (void)printf("%u settings measured the direct way, too: e_abs, e_pos and e_neg differ by %.6f, %.6f and "
-                 "%.6f steps at most\n",
-                 study->checked, study->check_worst[0], study->check_worst[1], study->check_worst[2]);
-}
-
-static bool check_held(const hs_eval_study *study, hs_error *err) {
-    for (int m = 0; m < 3; m++)
-        if (!(study->check_worst[m] <= CHECK_TOLERANCE))
-            return hs_fail(err, HS_ERR_FAILED,
-                           "the direct way gives another %s: off by %g steps, allowed are %g",
-                           hs_measure_key((hs_measure)m), study->check_worst[m], CHECK_TOLERANCE);
-    return true;
-}
-
 static bool finish(hs_eval_study *study, hs_error *err) {
     if (!hs_eval_study_conclude(study, err) || !hs_eval_study_tables(study, err)) return false;
     hs_eval_study_print(study, stdout);
@@ -207,10 +188,6 @@ static bool run_study(const hs_eval_options *o, hs_error *err) {
     bool ok = hs_eval_study_open(study, o, err);
     if (ok) {
         ok = run_cases(study, err);
-        if (ok && o->check) {
-            print_check(study);
-            ok = check_held(study, err);
-        }
         ok = ok && finish(study, err);
         if (ok && study->plugin_error.code != HS_OK)
             ok = hs_fail(err, study->plugin_error.code, "%s", study->plugin_error.text);

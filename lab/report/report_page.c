@@ -212,12 +212,6 @@ static void put_terms(hs_page *report, const hs_eval_study *study) {
         "truth, which no user has.",
         plan->threshold.count, plan->kernel.count, plan->knob.count);
     hs_page_text(report, text);
-    if (!study->checked) return;
-    (void)snprintf(
-        text, sizeof text,
-        "%u settings were measured the direct way, too: the largest difference of e_abs is %g steps.",
-        study->checked, study->check_worst[0]);
-    hs_page_text(report, text);
 }
 
 static void put_slider(hs_page *report, const hs_eval_study *study, uint32_t index) {

@@ -14,9 +14,8 @@ code() { ends "$1" "$build/host_sim" report --guard-time 300,300 "${@:2}"; }
 
 small=(--quick --size 72 --lowres 24 --case E04 --case D01)
 
-# --- the whole, with the direct check
-code 0 "${small[@]}" --out "$work/whole" --check 20
-holds grep -q '^20 settings measured the direct way, too: .* differ by 0.000' "$work/stdout"
+# --- the whole
+code 0 "${small[@]}" --out "$work/whole"
 page=$work/whole/index.html
 for case in E04 D01; do
     # 11 thresholds x 4 kernels x 7 positions, and the names of the columns.
