@@ -128,10 +128,8 @@ surf_answer surf_answer_of(uint32_t reason, bool clips);
 /* Sums of wall_judge's scores. Zeroed: none yet. */
 typedef struct {
     wall_score sum;
-    double worst; /* largest error of a case */
-    char worst_name[64];
-    double surest; /* largest mean confidence of a case of which more than a tenth is cut */
-    char surest_name[64];
+    double worst, surest; /* error of a case; mean confidence of one of which more than a tenth is cut */
+    char worst_name[64], surest_name[64];
     uint32_t count;
     uint32_t refused; /* cases that the method does not clip */
     uint32_t answers[SURF_ANSWERS];
@@ -143,10 +141,9 @@ void site_score_add(site_score *to, const char *name, const wall_score *score);
 /* The means: error in slices of 128; cut and left as shares. */
 wall_score site_score_mean(const site_score *score);
 
-/* Prints "error / cut / left, worst case", and with `sure` the confidence's AUC. */
+/* Prints "error / cut / left, worst case", and with `sure` the confidence's AUC and what the next one prints:
+ * the surest case of which more than a tenth is cut, if there is one. */
 void site_score_print(const site_score *score, bool sure);
-
-/* Prints the surest case of which more than a tenth is cut, if there is one. */
 void site_score_print_surest(const site_score *score);
 
 /* Prints the error of the fetus' rays, and what the admissible depths say if all cases have them. */
