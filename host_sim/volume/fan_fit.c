@@ -403,7 +403,9 @@ void hs_volume_find_beams(hs_volume *v) {
         c->face = v->beams->start;
         return;
     }
-    double *memory = malloc((size_t)MOST * 4 * sizeof *memory); /* without it, nothing is found */
+    char doubt[HS_DOUBT_BYTES];
+    if (!v->spacing_unsaid && hs_volume_doubt(v, doubt)) return; /* of wrong lengths a fan tells nothing */
+    double *memory = malloc((size_t)MOST * 4 * sizeof *memory);  /* without it, nothing is found */
     if (!memory) return;
     find_border(v, &b, (double(*)[3])(void *)memory);
     if (b.count >= LEAST && choose_face(v, &b, memory + 3 * (size_t)MOST, c, &face, &best)) {

@@ -12,7 +12,7 @@
  * - else by the toroidal fan whose sides, face and end lie closest to the border between scanned voxels and
  *   zeros. Where nothing but the volume's own faces ends the scan, there is none. The face of the volume that
  *   the fan narrows to is the probe's, if it was not stated and no other fits;
- * - without a fan, parallel from the probe's face, if that was stated.
+ * - without a fan, or where the size is doubted, parallel from the probe's face, if that was stated.
  *
  * Deterministic; some 50 ms. Does not read what is inside the scan.
  */

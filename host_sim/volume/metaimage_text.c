@@ -90,6 +90,9 @@ static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs
     } else if (holds(head, bytes, 0, "KRETZFILE", 9)) {
         format = "a Kretz file";
         how = "labels and maps come in no other format";
+    } else if (head == inner && ends_with(path, ".gz")) {
+        format = "a file compressed as a whole";
+        how = "unpack it first";
     }
     return format && !hs_fail(err, HS_ERR_INPUT, "%s: is %s; host_sim reads MetaImage (.mha, .mhd): %s", path,
                               format, how);

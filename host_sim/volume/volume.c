@@ -63,6 +63,7 @@ void hs_volume_size_words(const hs_volume *v, char out[HS_SIZE_BYTES]) {
 
 #define NARROWEST 30.0 /* mm, of a prenatal scan at its widest */
 #define WIDEST    400.0
+#define UNEVEN    20.0 /* times its shortest side is the longest of a voxel that is doubted */
 
 bool hs_volume_doubt(const hs_volume *v, char out[HS_DOUBT_BYTES]) {
     static const struct {
@@ -76,7 +77,15 @@ bool hs_volume_doubt(const hs_volume *v, char out[HS_DOUBT_BYTES]) {
                    out, HS_DOUBT_BYTES,
                    "The file does not say how far apart its voxels are: no length is known, and all sides "
                    "count as equal. --spacing X,Y,Z says it (mm).") > 0;
-    if (v->beams || (wide >= NARROWEST && wide <= WIDEST)) return false;
+    const double least = fmin(v->spacing[0], fmin(v->spacing[1], v->spacing[2]));
+    const double most = fmax(v->spacing[0], fmax(v->spacing[1], v->spacing[2]));
+    const bool right = v->beams || (wide >= NARROWEST && wide <= WIDEST);
+    if (right && most < UNEVEN * least) return false;
+    if (right)
+        return snprintf(out, HS_DOUBT_BYTES,
+                        "One side of a voxel is %.3g times as long as another: is the spacing right? "
+                        "--spacing X,Y,Z says it (mm).",
+                        most / least) > 0;
     for (size_t i = 0; i < sizeof units / sizeof *units && !unit; i++)
         if (wide * units[i].mm >= NARROWEST && wide * units[i].mm <= WIDEST) unit = units[i].name;
     (void)snprintf(out, HS_DOUBT_BYTES,

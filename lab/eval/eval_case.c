@@ -2,8 +2,10 @@
 #include "eval/eval_case.h"
 
 #include "base/progress.h"
+#include "base/text.h"
 #include "loop/loop_run.h"
 #include "plugin/loader_param.h"
+#include "volume/fan_fit.h"
 #include "volume/kretz.h"
 #include "volume/metaimage.h"
 
@@ -89,6 +91,13 @@ static bool open_full(hs_eval_source *s, char part[PARTS][PATH_MAX], bool ranged
            hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, expected one", path, s->source.count);
 }
 
+static void print_doubts(const hs_volume *volume) {
+    char doubt[HS_DOUBT_BYTES], question[160];
+    hs_course_question(volume, question, sizeof question);
+    if (hs_volume_doubt(volume, doubt)) hs_print(stderr, "%s: %s\n", volume->name, doubt);
+    if (question[0]) hs_print(stderr, "%s: %s\n", volume->name, question);
+}
+
 static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_error *err) {
     /* Labels of 0 are labels: no zero is raised. */
     static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
@@ -114,6 +123,7 @@ static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_err
                    !hs_scanned_maps_apply(&s->given_truth, part[FIRST], part[END], err)))
         return false;
     s->label = s->given_label.voxels;
+    print_doubts(volume);
     return hs_source_set_truth(&s->source, &s->given_truth, err);
 }
 

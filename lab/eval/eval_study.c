@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_study.h"
 
-#include "base/text.h"
 #include "guarded/guarded.h"
 #include "plugin/loader_param.h"
 
@@ -159,11 +158,7 @@ static hs_eval_request request_of(const hs_eval_study *study, uint32_t index) {
 
 bool hs_eval_study_case(hs_eval_study *study, uint32_t index, hs_eval_case *c, hs_error *err) {
     const hs_eval_request request = request_of(study, index);
-    char doubt[HS_DOUBT_BYTES];
-    if (!hs_eval_case_open(c, &study->cl, &study->plugin, &study->plan.base, &request, err)) return false;
-    const hs_volume *volume = hs_source_shape(&c->from.source);
-    if (hs_volume_doubt(volume, doubt)) hs_print(stderr, "%s: %s\n", volume->name, doubt);
-    return true;
+    return hs_eval_case_open(c, &study->cl, &study->plugin, &study->plan.base, &request, err);
 }
 
 bool hs_eval_study_values(const hs_eval_study *study, hs_eval_setting setting, hs_eval_values *values,

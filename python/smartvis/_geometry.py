@@ -6,6 +6,7 @@ from __future__ import annotations
 import gzip
 import os
 import re
+import struct
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -62,10 +63,23 @@ def says_spacing(path: Path, fields: dict[str, str], reader: Any) -> bool:
     if name.endswith((".mha", ".mhd")):
         return "elementspacing" in fields or "elementsize" in fields
     if reader.HasMetaDataKey("pixdim[1]"):
-        apart = {float(reader.GetMetaData(f"pixdim[{axis}]")) for axis in (1, 2, 3)}
+        apart = {float(reader.GetMetaData(f"pixdim[{axis}]")) for axis in (1, 2, 3)} | _nifti_zeros(path)
         has_unit = int(float(reader.GetMetaData("xyzt_units"))) & 7  # ITK tells 0 as 1
         return 0 not in apart and (apart != {1.0} or bool(has_unit))
     return not name.endswith(".vtk") or b"SPACING" in first_bytes(path).upper()
+
+
+def _nifti_zeros(path: Path) -> set[float]:
+    """The 0 among the distances of a NIfTI's own header, for which ITK says 1."""
+    try:
+        with gzip.open(path) if path.name.lower().endswith(".gz") else open(path, "rb") as file:
+            head = file.read(136)
+        order = "<" if head[:2] > head[2:4] else ">"
+        second = struct.unpack_from(f"{order}i", head)[0] == 540  # NIfTI-2
+        apart = struct.unpack_from(f"{order}3d", head, 112) if second else struct.unpack_from(f"{order}3f", head, 80)
+    except (OSError, struct.error):
+        return set()
+    return {length for length in apart if length == 0}
 
 
 def tiff_spacing(path: Path) -> tuple[float, float, float] | None:

@@ -85,6 +85,8 @@ class Reader:
         self._patched = _geometry.patched(self.path, self._fields)
         reader = self._reader = sitk.ImageFileReader()
         reader.SetFileName(self._patched.name if self._patched else str(self.path))
+        if self.path.suffix in (".MHA", ".MHD"):  # ITK looks at the name first
+            reader.SetImageIO("MetaImageIO")
         with _no_warning(self.path):
             reader.ReadImageInformation()
         size, values = reader.GetSize(), reader.GetNumberOfComponents()
@@ -385,6 +387,7 @@ _SAID = (  # what SimpleITK's libraries say, and what it means
     (r"bzip2 encoding not available", "it is compressed with bzip2, which is not read here: save it with gzip"),
     (r"couldn't open \"(.*?)\"", "its data file cannot be opened: {}"),
     (r"fread got only|ran out of|hit EOF|premature EOF", "its data end early"),
+    (r"Unable to determine ImageIO.*\.(?:mha|mhd|nrrd|tiff?|dcm)\.gz", "it is compressed as a whole: unpack it first"),
     (r"Unable to determine ImageIO", "no NRRD, MetaImage, NIfTI, TIFF, DICOM or Kretz file"),
     (r"unexpected scales in sform", "its sform and its pixdim disagree about how far apart voxels are"),
 )

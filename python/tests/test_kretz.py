@@ -6,6 +6,7 @@ import shutil
 import struct
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -77,16 +78,17 @@ def test_a_wrapped_volume_is_the_bare_one_and_the_hosts(scans: Path, tmp_path: P
 def test_the_plugin_sees_the_samples_as_under_the_host(scans: Path, tmp_path: Path) -> None:
     """Not the Cartesian copy, unless the caller changed that: then it is a volume as any other."""
     few = ["--frames", 2, "--setting", "smartvis", "--picture", 32, "--few-pictures", "--write", "depthmap", "--out"]
-    d01, e02, turned = scans / "D01_full.vol", scans / "E02_full.vol", {"view": (1.0, 0.0, 0.0)}
-    for path, how, mirror, view in (
-        (d01, ["--mirror"], True, {}),
-        (d01, ["--yaw", 90], False, turned),
-        (e02, [], False, {}),
-    ):
+    d01, e02 = scans / "D01_full.vol", scans / "E02_full.vol"
+    rows: list[tuple[Path, list[object], Any]] = [
+        (d01, ["--mirror"], None),
+        (d01, ["--yaw", 90], (1, 0, 0)),
+        (e02, [], None),
+    ]
+    for path, how, view in rows:
         host_sim("run", "--volume", path, *how, *few, tmp_path)
         theirs = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "depthmap.mha")))
-        source = Source(path, mirror=mirror)
-        maps = [smartvis.clip(source.read(n), **view).depth_mm for n in range(source.count)]
+        source = Source(path, mirror="--mirror" in how)
+        maps = [smartvis.clip(source.read(n), view=view).depth_mm for n in range(source.count)]
         assert np.array_equal(theirs.reshape(-1, *theirs.shape[-2:])[-len(maps) :], maps)
     image = Source(d01).read()
     mine = smartvis.clip(image)
@@ -94,7 +96,13 @@ def test_the_plugin_sees_the_samples_as_under_the_host(scans: Path, tmp_path: Pa
     changed = smartvis.clip(image)
     assert not np.array_equal(changed.depth, mine.depth)
     assert np.array_equal(changed.depth, smartvis.clip(sitk.GetArrayFromImage(image), image.GetSpacing()).depth)
-    for given in ({"window": (0, 9)}, {"probe": "-z"}, {"spacing": (1, 1, 1)}, {"scanned": np.ones((2, 2, 2))}):
+    wrong: list[dict[str, Any]] = [
+        {"window": (0, 9)},
+        {"probe": "-z"},
+        {"spacing": (1, 1, 1)},
+        {"scanned": np.ones((2, 2, 2))},
+    ]
+    for given in wrong:
         with pytest.raises(
             ValueError, match=f"D01_full.vol: a Kretz file says .* itself; {next(iter(given))}= was given"
         ):

@@ -2,6 +2,7 @@
 /* What of a file was scanned, whatever lies outside; grey in several channels; sizes that are not said, or
  * not those of a scan. */
 #include "support/metaimage_files.h"
+#include "volume/levels.h"
 
 #include <math.h>
 
@@ -100,6 +101,52 @@ static void what_was_scanned_stays(void **state) {
     assert_memory_equal(v.voxels, layers, sizeof layers);
 }
 
+typedef struct {
+    double corner[8]; /* of the octants' outside; NaN: no two voxels are alike */
+    bool reads_rear;
+} box;
+
+enum { SIDE = 16 };
+
+static bool read_box(void *context, uint64_t at, size_t count, double *out, hs_error *err) {
+    box *b = context;
+    for (uint64_t i = at; i < at + count; i++) {
+        const uint64_t x = i % SIDE, y = i / SIDE % SIDE, z = i / SIDE / SIDE;
+        const double outside = b->corner[x / 8 + y / 8 * 2 + z / 8 * 4];
+        const bool scanned = x >= 4 && x < 12 && y >= 4 && y < 12;
+        *out++ = scanned || isnan(outside) ? (double)(100 + i) : outside;
+        b->reads_rear |= z >= SIDE / 2;
+    }
+    return true;
+}
+
+/* Beside zeros, which need no search, another constant counts; the rear is read only if the front has one. */
+static void a_constant_beside_zeros_is_found(void **state) {
+    static const struct {
+        double front[4], rear;
+        bool zero; /* means not scanned already */
+        double outside;
+        bool found, reads_rear;
+    } cases[] = {
+        {{16, 16, 16, 16}, 16, true, 16, true, true}, {{16, 16, 16, 0}, 16, true, 16, true, true},
+        {{0, 0, 16, 0}, 16, true, 16, true, true},    {{16, 0, 0, 0}, 16, true, 16, true, true},
+        {{0, 0, 0, 0}, 16, true, 0, false, false},    {{0, 0, 0, 0}, 0, false, 0, true, true},
+        {{0, 0, 0, NAN}, 0, true, 0, false, false},   {{NAN, NAN, NAN, NAN}, 16, true, 0, false, false}};
+    static const uint32_t size[3] = {SIDE, SIDE, SIDE};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        box b = {{0}, false};
+        hs_levels levels;
+        hs_error err = {0};
+        for (int c = 0; c < 8; c++) b.corner[c] = c < 4 ? cases[i].front[c] : cases[i].rear;
+        hs_levels_begin(&levels);
+        assert_true(hs_levels_find_outside(&levels, size, cases[i].zero, read_box, &b, &err));
+        if (levels.has_outside != cases[i].found || b.reads_rear != cases[i].reads_rear ||
+            (levels.has_outside && levels.outside != cases[i].outside))
+            fail_msg("case %zu: found %d, %g; the rear was read: %d", i, levels.has_outside, levels.outside,
+                     b.reads_rear);
+    }
+}
+
 static void grey_in_channels_is_grey(void **state) {
     for (uint32_t channels = 3; channels <= 4; channels++) {
         write_fan("grey.mha", HS_MET_UCHAR, 0, channels, false);
@@ -119,12 +166,17 @@ static void a_size_is_said_or_doubted(void **state) {
                  {0.125, "is its spacing in centimetres?"},
                  {1250, "The volume is 1.2e+05 mm wide: is its spacing in micrometres?"},
                  {5, "is its spacing right?"}};
+    const double sides[][3] = {{0.00125, 0.00125, 2.5}, {1.25, 1.25, 0.05}};
     hs_volume v = {.nx = 96, .ny = 60, .nz = 48};
     char doubt[HS_DOUBT_BYTES], size[HS_SIZE_BYTES];
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         for (int a = 0; a < 3; a++) v.spacing[a] = sizes[i].spacing;
         assert_int_equal(hs_volume_doubt(&v, doubt), sizes[i].told != NULL);
         if (sizes[i].told) assert_non_null(strstr(doubt, sizes[i].told));
+    }
+    for (size_t i = 0; i < sizeof sides / sizeof *sides; i++) {
+        memcpy(v.spacing, sides[i], sizeof v.spacing);
+        assert_true(hs_volume_doubt(&v, doubt) && strstr(doubt, "times as long as another"));
     }
     const hs_metaimage_options given = {.has_spacing = true, .spacing = {1, 2, 3}};
     write_fan("fan.mha", HS_MET_UCHAR, 0, 1, false);
@@ -137,5 +189,5 @@ static void a_size_is_said_or_doubted(void **state) {
 }
 
 UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(whatever_lies_outside_was_not_scanned),
-          cmocka_unit_test(what_was_scanned_stays), cmocka_unit_test(grey_in_channels_is_grey),
-          cmocka_unit_test(a_size_is_said_or_doubted))
+          cmocka_unit_test(what_was_scanned_stays), cmocka_unit_test(a_constant_beside_zeros_is_found),
+          cmocka_unit_test(grey_in_channels_is_grey), cmocka_unit_test(a_size_is_said_or_doubted))
