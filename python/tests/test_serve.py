@@ -171,7 +171,7 @@ def test_other_types_and_byte_orders(port: int, volume: np.ndarray) -> None:
         for kind in (">i2", "<u2", "<f4", ">f8"):
             peer.sendall(in_byte_order(volume, kind))
             clipped, _, outcome = (read_message(peer) for _ in range(3))
-            assert outcome.string == "OK" and clipped.image.dtype.str[1:] == kind[1:], kind
+            assert outcome.string.split()[0] == "OK" and clipped.image.dtype.str[1:] == kind[1:], kind
             native = volume.astype(kind[1:])
             alone = smartvis.clip(native, (0.5, 0.6, 0.7), method="wall")
             assert np.array_equal(clipped.image, alone.apply(native))
