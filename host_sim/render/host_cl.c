@@ -83,9 +83,11 @@ static bool select_device(hs_cl *cl, hs_error *err) {
     cl_platform_id platforms[MAX_PLATFORMS];
     cl_uint count = 0;
     cl_int code = clGetPlatformIDs(MAX_PLATFORMS, platforms, &count);
-    if (code != CL_SUCCESS || count == 0) {
-        return hs_fail(err, HS_ERR_DEVICE, "no OpenCL platform (clGetPlatformIDs: %d): %s", (int)code, cure);
-    }
+    const char *vendors = getenv("OCL_ICD_VENDORS");
+    if (code != CL_SUCCESS || count == 0)
+        return hs_fail(err, HS_ERR_DEVICE, "no OpenCL platform (clGetPlatformIDs: %d): %s%.100s%s%s",
+                       (int)code, vendors ? "OCL_ICD_VENDORS, where drivers are looked for, is '" : "",
+                       vendors ? vendors : "", vendors ? "'; " : "", cure);
     if (count > MAX_PLATFORMS) count = MAX_PLATFORMS;
     if (!want_cpu) cl->device = find_device(platforms, count, CL_DEVICE_TYPE_GPU);
     if (!cl->device && !want_gpu) cl->device = find_device(platforms, count, CL_DEVICE_TYPE_CPU);
