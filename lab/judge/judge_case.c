@@ -289,9 +289,10 @@ void wall_case_change_near(wall_case *c, uint32_t slices, double gain, double bl
 
 enum { NEAR_RAYS = 2, NEAR_SLICES = 3 };
 
-/* From voxels of the turned case to those of the case: at = row . (x, y, z, 1). */
+/* From voxels of the turned case to those of the case: at = row . (x, y, z, 1); in mm it is a turn about the
+ * middle. */
 typedef struct {
-    double row[3][4];
+    double row[3][4], turn[3][3];
 } mapping;
 
 static mapping mapping_of(const wall_case *c, const double degrees[2]) {
@@ -301,6 +302,7 @@ static mapping mapping_of(const wall_case *c, const double degrees[2]) {
                                {-sin(b), cos(b) * sin(a), cos(b) * cos(a)}};
     const double middle[3] = {0.5 * (c->nx - 1.0), 0.5 * (c->ny - 1.0), 0.5 * (c->nz - 1.0)};
     mapping m;
+    memcpy(m.turn, turn, sizeof turn);
     for (int i = 0; i < 3; i++) {
         m.row[i][3] = middle[i];
         for (int k = 0; k < 3; k++) {
@@ -369,11 +371,29 @@ static uint8_t label_at(const wall_case *c, const double at[3]) {
     return nearest < NEAR_SLICES ? c->label[y * c->nx + x] : 0;
 }
 
+/* What the turned case tells of probe and beams, along its own axes. */
+static void turn_told(const wall_case *c, const mapping *m, sv_frame *told) {
+    const uint32_t n[3] = {c->nx, c->ny, c->nz};
+    memset(told->probe_rotation, 0, sizeof told->probe_rotation);
+    memset(told->probe_side, 0, sizeof told->probe_side);
+    for (int i = 0; i < 3; i++) {
+        double apex = 0.0;
+        for (int k = 0; k < 3; k++) {
+            const double middle = 0.5 * (n[k] - 1.0) * c->spacing_mm[k];
+            for (int a = 0; a < 3; a++)
+                told->probe_rotation[3 * i + a] += (float)(m->turn[k][i] * c->told.probe_rotation[3 * k + a]);
+            told->probe_side[i] += (float)(m->turn[k][i] * c->told.probe_side[k]);
+            apex += m->turn[k][i] * (c->told.beam_apex_mm[k] - middle);
+        }
+        if (told->beams == SV_BEAMS_FAN)
+            told->beam_apex_mm[i] = (float)(apex + 0.5 * (n[i] - 1.0) * c->spacing_mm[i]);
+    }
+}
+
 static bool make_room(const wall_case *c, wall_case *to) {
     const size_t plane = (size_t)c->nx * c->ny;
     *to = *c;
-    to->near = to->far = NULL; /* they hold for the rays of `c`, and so does what it tells */
-    to->told = (sv_frame){0};
+    to->near = to->far = NULL; /* they hold for the rays of `c` */
     to->full = calloc(plane, c->nz);
     to->clean = calloc(plane, c->nz);
     to->first = calloc(plane, sizeof *to->first);
@@ -393,6 +413,7 @@ bool wall_case_tilt(wall_case *c, const double degrees[2], hs_error *err) {
         return false;
     }
     (void)snprintf(to.name, sizeof to.name, "%.40s %.0f,%.0f", c->name, degrees[0], degrees[1]);
+    turn_told(c, &m, &to.told);
     for (uint32_t y = 0; y < c->ny; y++)
         for (uint32_t x = 0; x < c->nx; x++) {
             const size_t ray = (size_t)y * c->nx + x;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A case with its truth, as a turned camera sees it (wall_case_tilt): where voxels, ends of rays and
- * labels come to lie. */
+ * labels come to lie, and what is told of the probe. */
 #include "judge/judge.h"
 #include "support/unit.h"
 
@@ -16,6 +16,11 @@ static size_t at(uint32_t x, uint32_t y, uint32_t z) {
  * in slices HIDES to HIDES + 3, which the truth lacks. All was scanned from slice FIRST on. */
 static wall_case make(void) {
     wall_case c = {.name = "back", .nx = N, .ny = N, .nz = N, .spacing_mm = {0.8, 0.8, 0.8}};
+    c.told = (sv_frame){.beams = SV_BEAMS_FAN,
+                        .probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                        .probe_side = {0, 0, -1},
+                        .beam_apex_mm = {16, 18, -40},
+                        .beam_sweep_mm = 7};
     c.full = malloc((size_t)PLANE * N);
     c.clean = malloc((size_t)PLANE * N);
     c.first = malloc(PLANE * sizeof *c.first);
@@ -46,7 +51,7 @@ static wall_case turned(double about_x, double about_y) {
     return c;
 }
 
-/* A quarter turn about x puts voxels on voxels: y becomes z, and z runs against y. */
+/* A quarter turn about x puts voxels on voxels: y becomes z, and z runs against y. So do probe and beams. */
 static void quarter_turn(void **state) {
     wall_case c = make(), t = turned(90.0, 0.0);
     for (uint32_t z = 1; z + 1 < N; z++)
@@ -59,6 +64,12 @@ static void quarter_turn(void **state) {
                 assert_int_equal(t.full[at(x, y, z)], c.full[at(x, N - 1 - z, y)]);
                 assert_int_equal(t.clean[at(x, y, z)], c.clean[at(x, N - 1 - z, y)]);
             }
+    static const float rotation[9] = {1, 0, 0, 0, 0, 1, 0, -1, 0}, side[3] = {0, -1, 0};
+    static const float apex[3] = {16, -40, 0.8f * (N - 1) - 18};
+    for (int i = 0; i < 9; i++) assert_float_equal(t.told.probe_rotation[i], rotation[i], 1e-5);
+    for (int i = 0; i < 3; i++) assert_float_equal(t.told.probe_side[i], side[i], 1e-5);
+    for (int i = 0; i < 3; i++) assert_float_equal(t.told.beam_apex_mm[i], apex[i], 1e-4);
+    assert_true(t.told.beams == SV_BEAMS_FAN && t.told.beam_sweep_mm > 6.9f);
     wall_case_free(&c);
     wall_case_free(&t);
 }
