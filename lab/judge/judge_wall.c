@@ -137,11 +137,23 @@ static void print_case(const wall_case *c, const wall_score *s, const answer *a)
            f->wall, f->spread, f->rays ? 100.0 * f->wall_rays / f->rays : 0.0, f->fetus);
 }
 
+static bool is_tilted(const wall_change *o) {
+    return o->tilt[0] != 0.0 || o->tilt[1] != 0.0;
+}
+
+static void change_levels(wall_case *c, const wall_change *o) {
+    if (o->gain != 1.0 || o->gamma != 1.0 || o->black != 0.0)
+        wall_case_change(c, o->gain, o->gamma, o->black);
+    if (o->near_slices > 0.0) wall_case_change_near(c, (uint32_t)o->near_slices, o->near_gain, o->near_black);
+}
+
 /* The verdict of a volume without a truth. */
 static bool print_volume(const char *path, const wall_change *o, hs_error *err) {
     wall_case c;
     answer a = {0};
+    if (is_tilted(o)) return hs_fail(err, HS_ERR_USAGE, "--tilt: is for cases with a truth");
     if (!wall_case_open(path, &c, err)) return false;
+    change_levels(&c, o);
     const bool ok = ask(&c, o, &a, err);
     if (ok)
         printf("%s: outcome %d, gap share %.3f, fetus %.3f\n", c.name, (int)a.outcome, a.facts.gap_share,
@@ -155,17 +167,14 @@ static bool print_volume(const char *path, const wall_change *o, hs_error *err) 
  * were not refused. */
 static bool judge_case(wall_case *c, const wall_change *o, site_score *score, wall_calibration *clipped,
                        hs_error *err) {
-    if ((o->tilt[0] != 0.0 || o->tilt[1] != 0.0) && !wall_case_tilt(c, o->tilt, err)) return false;
+    if (is_tilted(o) && !wall_case_tilt(c, o->tilt, err)) return false;
     const size_t bytes = (size_t)c->nx * c->ny * c->nz;
     uint8_t *const original = malloc(bytes);
     answer a = {0};
     bool ok = original || hs_fail(err, HS_ERR_MEMORY, "%s: no memory", c->name);
     if (ok) {
         memcpy(original, c->full, bytes);
-        if (o->gain != 1.0 || o->gamma != 1.0 || o->black != 0.0)
-            wall_case_change(c, o->gain, o->gamma, o->black);
-        if (o->near_slices > 0.0)
-            wall_case_change_near(c, (uint32_t)o->near_slices, o->near_gain, o->near_black);
+        change_levels(c, o);
         ok = ask(c, o, &a, err);
     }
     if (ok) {
