@@ -42,12 +42,23 @@ static igtl::ImageMessage::Pointer make_volume(int side) {
     return image;
 }
 
+// The library's Receive may come back with the part that has arrived.
+static bool receive_all(igtl::ClientSocket *socket, void *to, igtlUint64 bytes) {
+    auto *at = static_cast<char *>(to);
+    bool timed_out = false;
+    while (bytes > 0) {
+        const igtlUint64 got = socket->Receive(at, bytes, timed_out);
+        if (got == 0 || got > bytes) return false;
+        at += got;
+        bytes -= got;
+    }
+    return true;
+}
+
 static bool receive(igtl::ClientSocket *socket, igtl::MessageHeader::Pointer &header) {
     header = igtl::MessageHeader::New();
     header->InitPack();
-    bool timed_out = false;
-    if (socket->Receive(header->GetPackPointer(), header->GetPackSize(), timed_out) != header->GetPackSize())
-        return false;
+    if (!receive_all(socket, header->GetPackPointer(), header->GetPackSize())) return false;
     header->Unpack();
     return true;
 }
@@ -57,8 +68,7 @@ static typename Message::Pointer body(igtl::ClientSocket *socket, igtl::MessageH
     typename Message::Pointer message = Message::New();
     message->SetMessageHeader(header);
     message->AllocatePack();
-    bool timed_out = false;
-    socket->Receive(message->GetPackBodyPointer(), message->GetPackBodySize(), timed_out);
+    if (!receive_all(socket, message->GetPackBodyPointer(), message->GetPackBodySize())) return nullptr;
     if (!(message->Unpack(1) & igtl::MessageHeader::UNPACK_BODY)) return nullptr; // 1: with its checksum
     return message;
 }
@@ -103,12 +113,12 @@ int main(int argc, char **argv) {
         const std::string name = header->GetDeviceName(), type = header->GetDeviceType();
         if (type == "STRING") {
             igtl::StringMessage::Pointer text = body<igtl::StringMessage>(socket, header);
-            if (!text) return fail("a STRING with a wrong checksum");
+            if (!text) return fail("a STRING in part or with a wrong checksum");
             std::printf("%s %s\n", name.c_str(), text->GetString());
             continue;
         }
         igtl::ImageMessage::Pointer image = body<igtl::ImageMessage>(socket, header);
-        if (!image) return fail("an IMAGE with a wrong checksum");
+        if (!image) return fail("an IMAGE in part or with a wrong checksum");
         if (name == "Scan_clipped" && check_clipped(image, side)) return 1;
         if (name == "Scan_depth") {
             const auto *depth = static_cast<float *>(image->GetScalarPointer());
