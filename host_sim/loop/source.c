@@ -222,13 +222,18 @@ bool hs_source_open_scene(hs_source *source, const hs_source_scene *what, hs_err
     return ok;
 }
 
+static void free_cropped(hs_source *source) {
+    for (int i = 0; source->cropped && i < 2; i++) free(source->cropped[i].volume.voxels);
+    free(source->cropped);
+    source->cropped = NULL;
+}
+
 void hs_source_close(hs_source *source) {
     for (uint32_t i = 0; source->scenes && i < source->count; i++) hs_scene_free(&source->scenes[i]);
     hs_stream_close(source->stream);
     hs_sequence_close(source->sequence);
     if (source->file) hs_volume_free(source->file);
-    for (int i = 0; source->cropped && i < 2; i++) free(source->cropped[i].volume.voxels);
-    free(source->cropped);
+    free_cropped(source);
     free(source->file);
     free(source->scenes);
     free(source->truths);
@@ -249,9 +254,7 @@ static bool make_room(hs_source *source, hs_error *err) {
     for (int i = 0; ok && i < (source->truths ? 2 : 1); i++)
         ok = (source->cropped[i].volume.voxels = malloc(count)) != NULL;
     if (ok) return true;
-    for (int i = 0; source->cropped && i < 2; i++) free(source->cropped[i].volume.voxels);
-    free(source->cropped);
-    source->cropped = NULL;
+    free_cropped(source);
     return hs_fail(err, HS_ERR_MEMORY, "box: no memory for %zu voxels", count);
 }
 
