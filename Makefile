@@ -176,8 +176,6 @@ bench: setup # times as ratios to plain C; speed against error of every method, 
 HARD_NAMES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,H$(n))
 HARD := $(HARD_NAMES:%=--scene %)
 UNSEEN := --scenes 501,0 --scenes 502,41 --scenes 503,42
-# Broad contact with the wall: without it scenes do not say how bright a first tissue must be.
-CHOICE := --scenes 201,0 $(foreach n,01 04 05 07 08 15 16,--scene H$(n))
 FOREIGN = $(foreach site,$(SITES),--site $(site)) $(if $(DATA),$(foreach volume,$(wildcard $(DATA)/*.mha),--volume $(volume)))
 
 # Other near fields, slices:gain:black: a dead zone, gel, skin lines, poor coupling.
@@ -185,14 +183,13 @@ NEAR_FIELDS := 2:0.25:0 4:0:1 6:0:1 3:1:60 4:1:100 8:0.4:0
 part = $(word $(1),$(subst :, ,$(2)))
 near_field = --set near_slices=$(call part,1,$(1)) --set near_gain=$(call part,2,$(1)) --set near_black=$(call part,3,$(1))
 
-sites: setup # methods on scenes and on SITES: table, harm, near fields, flicker, constants chosen on all but one and judged on that
+sites: setup # methods on scenes and on SITES: table, harm, near fields, flicker
 	@$(call build,build,,sv_judge smartvis)
 	build/sv_judge table $(UNSEEN) $(FOREIGN)
 	build/sv_judge table $(HARD)
 	build/sv_judge harm --scenes 201,0 $(FOREIGN)
 	$(foreach field,$(NEAR_FIELDS),build/sv_judge wall --scenes 201,0 $(foreach site,$(SITES),--site $(site)) $(call near_field,$(field)) &&) true
 	build/sv_judge flicker
-	$(if $(SITES),build/sv_judge reverse $(CHOICE) $(FOREIGN))
 
 # Every scene in a box, and as a probe's file.
 SCENES := E01 E02 E03 E04 M01 M02 M03 D01 D02 $(HARD_NAMES)

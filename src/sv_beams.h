@@ -3,6 +3,8 @@
 #ifndef SV_BEAMS_H
 #define SV_BEAMS_H
 
+#include "smartvis/probe.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -14,5 +16,13 @@ typedef struct {
     float apex_mm[3], sweep_mm;
     bool same_volume; /* as the frame before */
 } sv_beams;
+
+/* What a frame says of them; fields behind its size count as not told. */
+static inline sv_beams sv_beams_of(const sv_frame *frame) {
+    sv_beams b = {.same_volume = (frame->flags & SV_FRAME_SAME_VOLUME) != 0};
+    sv_probe_of(frame, b.rotation, b.side);
+    b.kind = sv_probe_beams_of(frame, b.apex_mm, &b.sweep_mm);
+    return b;
+}
 
 #endif

@@ -390,28 +390,6 @@ bool site_harm(const site_list *list, const char *const *volumes, uint32_t count
  * one that is best for these frames. Nothing remembers unless its settings say so. */
 bool site_flicker(const site_list *list, const site_methods *methods, hs_error *err);
 
-/* ------------------------------------------------------------------------------------------- constants -- */
-/* The constants of the wall's surface by their names. */
-
-typedef struct {
-    const char *key;
-    size_t offset;
-} wall_constant;
-
-#define WALL_CONSTANT(field)                                                                                 \
-    { #field, offsetof(sv_wall_settings, field) }
-
-double *wall_constant_of(sv_wall_settings *s, wall_constant constant);
-
-/* ------------------------------------------------------------------------------------ reverse protocol -- */
-/* The reverse protocol: the wall's constants chosen on all sites but one, judged on that one. */
-
-/* For every set a coordinate search over the constants that matter, on all other sets, at most `rounds` times
- * over all constants, from all at their lowest and from all at their highest value; the better of the two
- * answers counts. Prints the constants and, on every set, error / cut / left and what they are relative to
- * those of the constants as they are. Needs two sets at least. */
-bool site_reverse(const site_list *list, uint32_t rounds, hs_error *err);
-
 /* -------------------------------------------------------------------------------------------- commands -- */
 
 /* What the definition of wall is given: other constants, other grey levels 255 (level / 255)^gamma * gain +
@@ -436,7 +414,7 @@ typedef struct {
     site_list sites;
     site_methods methods;
     const char *volumes[JUDGE_MAX_VOLUMES]; /* MetaImage files that nothing hides */
-    uint32_t volume_count, rounds;
+    uint32_t volume_count;
     wall_change wall;
     const char *still; /* NULL: not asked for */
     uint64_t still_seed;

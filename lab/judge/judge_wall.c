@@ -8,13 +8,15 @@
 
 /* ------------------------------------------------------------------------------------------- constants -- */
 
-double *wall_constant_of(sv_wall_settings *s, wall_constant constant) {
-    return (double *)(void *)((char *)s + constant.offset);
-}
+#define WALL_CONSTANT(field)                                                                                 \
+    { #field, offsetof(sv_wall_settings, field) }
 
 /* The constant of that name, "block_mm" or another number of sv_wall_settings; NULL if there is none. */
 static double *find_constant(sv_wall_settings *s, const char *key) {
-    static const wall_constant all[] = {
+    static const struct {
+        const char *key;
+        size_t offset;
+    } all[] = {
         WALL_CONSTANT(block_mm),
         WALL_CONSTANT(beam_mm),
         WALL_CONSTANT(dilation_mm),
@@ -48,7 +50,7 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
         WALL_CONSTANT(assumed_spread),
     };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        if (strcmp(all[i].key, key) == 0) return wall_constant_of(s, all[i]);
+        if (strcmp(all[i].key, key) == 0) return (double *)(void *)((char *)s + all[i].offset);
     return NULL;
 }
 
@@ -105,19 +107,12 @@ static void free_answer(answer *a) {
     free(a->confidence);
 }
 
-/* What a case tells of its beams. */
-static sv_beams beams_of(const sv_frame *told) {
-    sv_beams b = {.kind = told->beams, .sweep_mm = told->beam_sweep_mm};
-    memcpy(b.rotation, told->probe_rotation, sizeof b.rotation);
-    memcpy(b.side, told->probe_side, sizeof b.side);
-    memcpy(b.apex_mm, told->beam_apex_mm, sizeof b.apex_mm);
-    return b;
-}
-
 /* The answer must be freed, even on failure. */
 static bool ask(const wall_case *c, const wall_change *o, answer *a, hs_error *err) {
     const size_t plane = (size_t)c->nx * c->ny;
-    const sv_beams beams = beams_of(&c->told);
+    sv_frame told = c->told;
+    told.size = sizeof told;
+    const sv_beams beams = sv_beams_of(&told);
     sv_wall_volume v = wall_case_volume(c);
     if (o->beams) v.beams = &beams;
     char text[160];

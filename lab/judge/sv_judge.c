@@ -14,10 +14,6 @@ static bool judge_cases(judge_request *r, hs_error *err) {
     return site_table(&r->sites, &r->methods, err);
 }
 
-static bool choose_constants(judge_request *r, hs_error *err) {
-    return site_reverse(&r->sites, r->rounds, err);
-}
-
 static bool judge_harm(judge_request *r, hs_error *err) {
     return site_harm(&r->sites, r->volumes, r->volume_count, &r->methods, err);
 }
@@ -54,8 +50,6 @@ static const struct command {
      "truth's"},
     {"wall", judge_wall, false,
      "the definition of wall with any of its constants changed (--set); what it knows of a case"},
-    {"reverse", choose_constants, true,
-     "the constants of wall chosen on all sites but one, judged on that one"},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
@@ -155,8 +149,6 @@ static const hs_option options[] = {
      "wall: the nine scenes standing still, other speckle and particles in each of 8 frames:\n"
      "how much the ends of rays move\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_still},
-    {"rounds", "N", "reverse: rounds of the search at most, 1 .. 100 [4]\n", HS_OPTION_COUNT, AT(rounds), 1,
-     100, NULL},
     {"plugin", "PATH", "library to judge [the build's smartvis.so]\n", HS_OPTION_TEXT, AT(methods.plugin), 0,
      0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
@@ -197,7 +189,7 @@ static bool parse(int argc, char **argv, judge_request *r, hs_error *err) {
 }
 
 int main(int argc, char **argv) {
-    judge_request r = {.methods = {.plugin = SURF_PLUGIN}, .wall = wall_change_none(), .rounds = 4};
+    judge_request r = {.methods = {.plugin = SURF_PLUGIN}, .wall = wall_change_none()};
     hs_error err = {0};
     bool ok = parse(argc, argv, &r, &err);
     if (ok && r.help)

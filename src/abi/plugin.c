@@ -39,12 +39,6 @@ static void abandon(sva *a) {
     if (in->device.owned && !sv_instance_is_forked(in)) (void)clFinish(in->device.queue);
 }
 
-static void take_beams(const sv_frame *frame, sv_beams *beams) {
-    sv_probe_of(frame, beams->rotation, beams->side);
-    beams->kind = sv_probe_beams_of(frame, beams->apex_mm, &beams->sweep_mm);
-    beams->same_volume = (frame->flags & SV_FRAME_SAME_VOLUME) != 0;
-}
-
 static sv_status begin(sva *a) {
     sv_instance *in = a->own;
     sv_pipeline *p = &in->pipeline;
@@ -56,8 +50,8 @@ static sv_status begin(sva *a) {
                                      f->scanned_offset, sva_rays(a) * sizeof(sv_scanned), SV_ERR_ARGUMENT);
     if (status != SV_OK) return status;
     p->queue.timing = &in->timing;
-    sv_frame_context context = {.continues = !(f->flags & SV_FRAME_DISCONTINUITY)};
-    take_beams(f, &context.beams);
+    const sv_frame_context context = {.beams = sv_beams_of(f),
+                                      .continues = !(f->flags & SV_FRAME_DISCONTINUITY)};
     sv_pipeline_begin(p, &values, &context);
     if (!p->config.ranged) return SV_OK;
     return sv_pipeline_scanned(p, f->scanned, f->scanned_object, f->scanned_offset);
