@@ -100,18 +100,6 @@ void fixture_works(fixture *f) {
     fixture_frame_is_good(f);
 }
 
-void fixture_keep_reason(fixture *f) {
-    (void)snprintf(f->reason, sizeof f->reason, "%s", f->r.plugin->last_error(f->r.plugin));
-}
-
-void fixture_refused_anywhere(fixture *f, sv_status status, sv_status expected, const char *text) {
-    const char *reason = f->r.plugin->last_error(f->r.plugin);
-    if (status != expected) fail_msg("status is %d, expected %d (%s)", status, expected, text);
-    if (!strstr(f->r.last_log, text))
-        fail_msg("the log's last line is '%s', expected '%s' in it", f->r.last_log, text);
-    if (strcmp(reason, f->reason) != 0) fail_msg("last_error became '%s' from '%s'", reason, f->reason);
-}
-
 void fixture_refused(fixture *f, sv_status status, sv_status expected, const char *text) {
     const char *reason = f->r.plugin->last_error(f->r.plugin);
     if (status != expected)

@@ -13,7 +13,6 @@ typedef struct {
     rig_format how;
     uint8_t *volume;
     stage *textures;      /* of FIXTURE_SLABS slabs, the last one short */
-    char reason[512];     /* last_error at fixture_keep_reason */
     rig_result out, good; /* good: what a frame with default values must give */
 } fixture;
 
@@ -43,10 +42,5 @@ void fixture_works(fixture *f);
 
 /* `status` is `expected`, and last_error and the host's log both hold `text` (a field and its value). */
 void fixture_refused(fixture *f, sv_status status, sv_status expected, const char *text);
-
-/* The same of a call for any thread: only the log holds `text`, last_error is what fixture_keep_reason
- * found. */
-void fixture_keep_reason(fixture *f);
-void fixture_refused_anywhere(fixture *f, sv_status status, sv_status expected, const char *text);
 
 #endif

@@ -207,6 +207,12 @@ static void parameters(void **state) {
     assert_int_equal(begin(p, NULL, 0), SV_OK);
     assert_true(sva_value(p->plugin_data, SHADE) == 3.0); /* not listed: its default */
     p->deactivate(p);
+    const sv_format format = small_format();
+    assert_int_equal(activate_at(p, AT_SLAB), SV_OK);
+    p->deactivate(p);
+    assert_int_equal(p->activate(p, &format), SV_OK); /* an earlier activation's values do not linger */
+    assert_int_equal(frame(p), SV_OK);
+    p->deactivate(p);
     p->destroy(p);
 }
 

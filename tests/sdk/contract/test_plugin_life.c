@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Lives of instances beside what sv_validate tries (frames repeated, broken off and interleaved, many
- * activations): destroyed while active; formats one after the other; without a device; forked; kernels that
+ * activations, destroyed while active): formats one after the other; without a device; forked; kernels that
  * do not build.
  */
 #include "programs/shared_programs.h"
@@ -9,21 +9,6 @@
 
 #include <sys/wait.h>
 #include <unistd.h>
-
-static void destroyed_while_active(void **state) {
-    fixture *f = *state;
-    const sv_plugin *other = NULL;
-    assert_int_equal(f->r.entry->create(&f->r.host, f->r.entry->descriptor(0)->id, &other), SV_OK);
-    assert_int_equal(other->activate(other, &f->textures->format), SV_OK);
-    const sv_frame frame = {.size = sizeof frame};
-    assert_int_equal(other->begin(other, &frame), SV_OK);
-    const sv_slab slab = stage_slab(f->textures, 0);
-    assert_int_equal(other->slab(other, &slab), SV_OK);
-    other->destroy(other);
-    assert_string_equal(f->r.last_log, "destroy: the instance is active, and slabs are awaited");
-    assert_int_equal(f->r.last_severity, SV_LOG_HOST_MISBEHAVING);
-    fixture_frame_is_good(f);
-}
 
 /* Formats one after the other in one instance: nothing of the larger one is left in the smaller one's
  * maps. */
@@ -178,7 +163,6 @@ int main(int argc, char **argv) {
     self = argv[0];
     if (argc > 1 && strcmp(argv[1], "child_without_device") == 0) return child_without_device();
     const struct CMUnitTest tests[] = {
-        FIXTURE_TEST_ACTIVE(destroyed_while_active),
         FIXTURE_TEST(another_format_after_another),
         cmocka_unit_test(no_device),
         FIXTURE_TEST(no_such_device),

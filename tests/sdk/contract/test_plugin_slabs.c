@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Slabs and results: what slab and end refuse. Guard bands around maps in memory and in buffers, slabs that
- * stay as they are in every carrier, and slabs that end where their bytes do, are sv_validate's.
+ * Slabs and results: what slab and end refuse. The order of slabs, guard bands around maps in memory and in
+ * buffers, slabs that stay as they are in every carrier, and slabs that end where their bytes do, are
+ * sv_validate's.
  */
 #include "support/fixture.h"
 
@@ -22,26 +23,6 @@ static void refused_slab(fixture *f, uint32_t before, sv_slab slab, sv_status st
         change;                                                                                              \
         refused_slab(f, n, slab, SV_ERR_SLAB_SHAPE, text);                                                   \
     } while (0)
-
-static void slab_order(void **state) {
-    fixture *f = *state;
-    refused_slab(f, 0, stage_slab(f->textures, 1), SV_ERR_SLAB_ORDER, "first_slice is 6, expected 0");
-    refused_slab(f, 1, stage_slab(f->textures, 0), SV_ERR_SLAB_ORDER, "first_slice is 0, expected 6");
-    refused_slab(f, 1, stage_slab(f->textures, 2), SV_ERR_SLAB_ORDER, "first_slice is 12, expected 6");
-    refused_slab(f, 3, stage_slab(f->textures, 0), SV_ERR_SLAB_ORDER, "first_slice is 0, expected 14");
-    sv_slab slab = stage_slab(f->textures, 0);
-    slab.first_slice = UINT32_MAX;
-    refused_slab(f, 0, slab, SV_ERR_SLAB_ORDER, "first_slice is 4294967295, expected 0");
-    for (uint32_t n = 0; n < FIXTURE_SLABS; n++) {
-        static const char *const missing[] = {"0 of 14 slices came", "6 of 14 slices came",
-                                              "12 of 14 slices came"};
-        fixture_feed(f, n);
-        fixture_refused(f, fixture_end(f), SV_ERR_SLAB_MISSING, missing[n]);
-        fixture_refused(f, fixture_end(f), SV_ERR_STATE,
-                        "end: the instance is active, and no frame is under way");
-    }
-    fixture_frame_is_good(f);
-}
 
 static void slab_shape(void **state) {
     fixture *f = *state;
@@ -176,6 +157,5 @@ static void wrong_results(void **state) {
     fixture_frame_is_good(f);
 }
 
-UNIT_MAIN(NULL, NULL, FIXTURE_TEST_ACTIVE(slab_order), FIXTURE_TEST_ACTIVE(slab_shape),
-          FIXTURE_TEST(memory_that_was_not_registered), FIXTURE_TEST(wrong_buffers),
-          FIXTURE_TEST(wrong_images), FIXTURE_TEST_ACTIVE(wrong_results))
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST_ACTIVE(slab_shape), FIXTURE_TEST(memory_that_was_not_registered),
+          FIXTURE_TEST(wrong_buffers), FIXTURE_TEST(wrong_images), FIXTURE_TEST_ACTIVE(wrong_results))
