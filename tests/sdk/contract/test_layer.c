@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The checking layer beside its rules: plugins that are right, under a host that is, give it nothing to say.
- * SMARTVIS_CHECK and its file do what docs/check.md says, and that page has the layer's rules.
+ * The checking layer beside its rules: SMARTVIS_CHECK and its file do what docs/check.md says, and that page
+ * has the layer's rules. That it has nothing to say to plugins that are right: test_layer_careless.
  */
 #include "record/rec_item.h"
 #include "rules/rules.h"
@@ -15,31 +15,6 @@
 
 #define CPU "wrong/right/results"
 #define CL  "wrong/right/opencl"
-
-static void what_is_right_gives_nothing_to_say(void **state) {
-    static const char *const right[] = {"wrong/right/library",
-                                        "wrong/right/params",
-                                        "wrong/right/results",
-                                        "wrong/right/life",
-                                        CL,
-                                        "examples/first_edge",
-                                        "examples/kernel_edge",
-                                        "smartvis"};
-    for (size_t n = 0; n < sizeof right / sizeof *right; n++)
-        for (int queue = 0; queue < 3; queue++) { /* its own; the host's with buffers; with host memory */
-            layer_subject *s = layer_open(right[n]);
-            const uint32_t queues = s->entry->descriptor(0)->queues;
-            if (queues & (queue ? SV_QUEUE_HOST : SV_QUEUE_OWN)) {
-                if (queue) layer_take_queue(s);
-                if (queue == 2) s->format.carrier = SV_CARRIER_HOST;
-                layer_create(s);
-                layer_use(s);
-                if (strstr(s->log, "\n4 ") || strstr(s->log, "\n5 ") || !strstr(s->log, "check: 3 frames"))
-                    fail_msg("%s: %s", right[n], s->log);
-            }
-            layer_close(s);
-        }
-}
 
 /* ---- settings */
 static void stop_makes_errors(void **state) {
@@ -299,8 +274,7 @@ static void the_page_has_the_rules(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(what_is_right_gives_nothing_to_say),
-          cmocka_unit_test(stop_makes_errors), cmocka_unit_test(off_is_the_plugin_itself),
+UNIT_MAIN(NULL, NULL, cmocka_unit_test(stop_makes_errors), cmocka_unit_test(off_is_the_plugin_itself),
           cmocka_unit_test(repeated_breaches_are_told_less_and_less),
           cmocka_unit_test(a_failed_call_leaves_no_nan), cmocka_unit_test(a_file_beside_it_has_the_settings),
           cmocka_unit_test(an_installation_needs_no_setting), cmocka_unit_test(what_cannot_be_used_is_told),
