@@ -10,6 +10,7 @@
 #include "plugin/loader.h"
 #include "render/host_cl.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -46,29 +47,22 @@ void bench_samples_destroy(bench_samples *samples);
 /* Sorts the samples. */
 hs_timing bench_samples_times(const bench_samples *samples);
 
-/* ------------------------------------------------------------------------------------------------ team -- */
-/* Two persistent threads, the caller and one more, for the C side of the benchmark. */
+/* ----------------------------------------------------------------------------------------- two threads -- */
 
 enum { BENCH_THREADS = 2 };
 
-typedef struct bench_team bench_team;
+/* Zeroed: nobody waits. */
+typedef struct {
+    atomic_uint arrived, phase, sleepers;
+} bench_barrier;
 
-/* NULL with HS_ERR_MEMORY if the thread cannot be started. */
-bench_team *bench_team_create(hs_error *err);
-void bench_team_destroy(bench_team *team);
+/* Returns when both threads have called it; what either wrote before is seen by both. */
+void bench_barrier_wait(bench_barrier *barrier);
 
-/* Wakes the second thread and returns once it runs, so that a bench_team_run right after measures work and
- * not the system's wake-up. bench_team_rest lets it sleep at once; otherwise it would look for work some 50
- * us more, and take a core from others. */
-void bench_team_ready(bench_team *team);
-void bench_team_rest(bench_team *team);
-
-/* Runs job(context, 0) here and job(context, 1) on the second thread, and returns when both have. Only
- * between ready and rest. */
-void bench_team_run(bench_team *team, void (*job)(void *context, unsigned thread), void *context);
-
-/* For jobs: returns when both threads have called it; what either wrote before is seen by both. */
-void bench_team_barrier(bench_team *team);
+/* Runs job(context, 0) here and job(context, 1) on a second thread, and returns when both are through. The
+ * milliseconds are those of the job: the second thread is awake before the clock starts. HS_ERR_MEMORY if it
+ * cannot be started. */
+bool bench_two_run(void (*job)(void *context, unsigned thread), void *context, double *ms, hs_error *err);
 
 /* --------------------------------------------------------------------------------------------- volumes -- */
 /*

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Times a plugin's frame beside reading the volume and the plain C frame, in turns. */
+/* Times a plugin's frame beside the plain C frame, in turns. */
 #include "bench/bench_results.h"
 #include "bench/plain.h"
 #include "plugin/loader_param.h"
@@ -112,8 +112,7 @@ static bool make_memory(bench *b, hs_error *err) {
         return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %zu rays", rays);
     for (int p = 0; p < BENCH_PARTS; p++)
         if (!bench_samples_create(&b->samples[p], b->setup->frames, err)) return false;
-    b->plain =
-        plain_frame_create(b->setup->team, b->variant->n, b->variant->n, b->variant->n, &settings, err);
+    b->plain = plain_frame_create(b->variant->n, b->variant->n, b->variant->n, &settings, err);
     if (!b->plain || !b->host_queue) return b->plain;
     cl_int code = CL_SUCCESS;
     b->depth_buffer =
@@ -234,24 +233,8 @@ static bool plugin_dropped(bench *b, double *ms, hs_error *err) {
     return true;
 }
 
-/* Two threads' work: woken before the clock starts, asleep again after. */
-static double time_plain(bench *b) {
-    bench_team_ready(b->setup->team);
-    const double start = hs_now();
-    (void)plain_frame_run(b->plain, &b->slabs->volume, b->plain_depth, b->plain_status);
-    const double ms = (hs_now() - start) * 1e3;
-    bench_team_rest(b->setup->team);
-    return ms;
-}
-static double time_read(bench *b) {
-    static volatile uint64_t sink;
-    bench_team_ready(b->setup->team);
-    const double start = hs_now();
-    sink = plain_read(b->setup->team, b->slabs->memory, b->slabs->bytes);
-    const double ms = (hs_now() - start) * 1e3;
-    bench_team_rest(b->setup->team);
-    (void)sink;
-    return ms;
+static bool time_plain(bench *b, double *ms, hs_error *err) {
+    return plain_frame_run(b->plain, &b->slabs->volume, b->plain_depth, b->plain_status, ms, err);
 }
 
 /* Plain C and the plugin must come to the same map. */
@@ -259,7 +242,8 @@ static bool verify(bench *b, double *difference, hs_error *err) {
     const size_t rays = (size_t)b->variant->n * b->variant->n;
     if (!plugin_frame(b, b->status, NULL, err)) return false;
     if (b->setup->method) return true; /* plain C is the mean filter */
-    (void)time_plain(b);
+    double unused;
+    if (!time_plain(b, &unused, err)) return false;
     if (b->host_queue) {
         const cl_int code = clEnqueueReadBuffer(b->setup->cl->queue, b->depth_buffer, CL_TRUE, 0,
                                                 rays * sizeof(float), b->depth, 0, NULL, NULL);
@@ -283,8 +267,7 @@ static bool verify(bench *b, double *difference, hs_error *err) {
 static bool time_frames(bench *b, hs_progress *progress, hs_error *err) {
     for (uint32_t i = 0; i < WARM_UP + b->setup->frames; i++) {
         double ms[BENCH_PARTS] = {0};
-        ms[BENCH_READ] = time_read(b);
-        if (!b->setup->method) ms[BENCH_PLAIN] = time_plain(b);
+        if (!b->setup->method && !time_plain(b, &ms[BENCH_PLAIN], err)) return false;
         if (!plugin_dropped(b, &ms[BENCH_DROPPED], err)) return false;
         if (!plugin_frame(b, NULL, ms, err)) return false;
         if (b->q_id && !plugin_adjust(b, &ms[BENCH_ADJUST], err)) return false;

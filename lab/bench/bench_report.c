@@ -57,14 +57,12 @@ void bench_print_worst(const bench_report *report) {
 
 /* ---------------------------------------------------------------------------------------------- tables -- */
 
-#define BENCH_TARGET_RATIO 3.0 /* to plain C */
-
 void bench_print_plugin_head(uint32_t n, uint32_t k) {
     printf("\nPlugin frame, %u^3 voxels, k = %u; milliseconds, medians unless named; ratios of medians, (of "
            "minima)\n",
            n, k);
-    printf("%-34s %4s | %6s | %7s %7s | %7s %7s %7s | %5s %13s | %6s %6s %7s %6s\n", "slabs", "of", "read",
-           "plain C", "min", "plugin", "min", "p95", "/read", "/plain C", "begin", "slabs", "end", "adjust");
+    printf("%-34s %4s | %7s %7s | %7s %7s %7s | %13s | %6s %6s %7s %6s\n", "slabs", "of", "plain C", "min",
+           "plugin", "min", "p95", "/plain C", "begin", "slabs", "end", "adjust");
     (void)fflush(stdout);
 }
 
@@ -74,12 +72,12 @@ static double ratio(double a, double b) {
 
 void bench_print_plugin(const bench_plugin_result *r) {
     const hs_timing *t = r->times, *frame = &t[BENCH_FRAME], *plain = &t[BENCH_PLAIN];
-    printf("%-34s %4u | %6.3f | %7.3f %7.3f | %7.3f %7.3f %7.3f | %5.1f %5.2f (%5.2f) | %6.3f %6.3f %7.3f "
+    printf("%-34s %4u | %7.3f %7.3f | %7.3f %7.3f %7.3f | %5.2f (%5.2f) | %6.3f %6.3f %7.3f "
            "%6.3f\n",
-           bench_route_label(r->variant.route), r->variant.slab_slices, t[BENCH_READ].median, plain->median,
-           plain->min, frame->median, frame->min, frame->p95, ratio(frame->median, t[BENCH_READ].median),
-           ratio(frame->median, plain->median), ratio(frame->min, plain->min), t[BENCH_BEGIN].median,
-           t[BENCH_SLABS].median, t[BENCH_END].median, t[BENCH_ADJUST].median);
+           bench_route_label(r->variant.route), r->variant.slab_slices, plain->median, plain->min,
+           frame->median, frame->min, frame->p95, ratio(frame->median, plain->median),
+           ratio(frame->min, plain->min), t[BENCH_BEGIN].median, t[BENCH_SLABS].median, t[BENCH_END].median,
+           t[BENCH_ADJUST].median);
     (void)fflush(stdout);
 }
 
@@ -95,51 +93,4 @@ void bench_print_stages(const bench_plugin_result *results, uint32_t count) {
                r->stages.profile_ms, r->stages.threshold_ms, r->stages.reconstruct_ms, r->stages.output_ms,
                100.0 * ratio(r->stats.points, r->stats.rays), r->points.empty_points, r->points.passes);
     }
-}
-
-static const char *verdict(bool holds) {
-    return holds ? "holds" : "does not hold";
-}
-
-/* The slowest of the combinations that were measured: the limit holds if it does. */
-static void print_limit(const bench_report *report, uint32_t n) {
-    const bench_plugin_result *slowest = NULL;
-    for (uint32_t i = 0; i < report->plugin_count; i++) {
-        const bench_plugin_result *r = &report->plugin[i];
-        if (r->variant.n == n && strcmp(r->method, BENCH_METHOD) == 0 &&
-            (!slowest || r->times[BENCH_FRAME].median > slowest->times[BENCH_FRAME].median))
-            slowest = r;
-    }
-    if (!slowest) return;
-    const double ms = slowest->times[BENCH_FRAME].median, limit = limit_of(BENCH_METHOD, n);
-    printf("%4u^3, method %s, slowest: slabs of %3u, %-34s at most %4.1f ms: %6.2f ms  %s\n", n, BENCH_METHOD,
-           slowest->variant.slab_slices, bench_route_label(slowest->variant.route), limit, ms,
-           verdict(ms <= limit));
-}
-
-static void print_ratio(const bench_plugin_result *r, const char *what) {
-    const hs_timing *frame = &r->times[BENCH_FRAME], *plain = &r->times[BENCH_PLAIN];
-    const double medians = ratio(frame->median, plain->median), minima = ratio(frame->min, plain->min);
-    printf("%4u^3, %-6s slabs of %3u, %-34s at most %.0f x plain C: %5.2f x (%5.2f x)  %s\n", r->variant.n,
-           what, r->variant.slab_slices, bench_route_label(r->variant.route), BENCH_TARGET_RATIO, medians,
-           minima, verdict(medians <= BENCH_TARGET_RATIO && minima <= BENCH_TARGET_RATIO));
-}
-
-/* For each size the first combination that was measured, and the fastest. A busy machine can hide plain C's
- * speed in the medians: the target holds if it does for medians and for minima. */
-void bench_print_targets(const bench_report *report) {
-    printf("\nTargets (in brackets: the ratio of the minima)\n");
-    for (uint32_t first = 0, next; first < report->plugin_count; first = next) {
-        const bench_plugin_result *r = &report->plugin[first], *best = r;
-        if (strcmp(r->method, "mean") != 0) break; /* the others come last */
-        for (next = first; next < report->plugin_count && report->plugin[next].variant.n == r->variant.n &&
-                           strcmp(report->plugin[next].method, r->method) == 0;
-             next++)
-            if (report->plugin[next].times[BENCH_FRAME].median < best->times[BENCH_FRAME].median)
-                best = &report->plugin[next];
-        print_ratio(r, "first:");
-        if (best != r) print_ratio(best, "best:");
-    }
-    print_limit(report, 128);
-    print_limit(report, 171);
 }

@@ -11,7 +11,7 @@
 #include "smartvis_plugin.h"
 
 /* ---------------------------------------------------------------------------------------------- plugin -- */
-/* Times a plugin's frame beside reading the volume and the plain C frame, in turns. */
+/* Times a plugin's frame beside the plain C frame, in turns. */
 
 /* How slabs get to the plugin, and whose queue it uses. */
 typedef enum {
@@ -35,8 +35,7 @@ typedef struct {
 } bench_variant;
 
 typedef enum {
-    BENCH_READ,  /* (a) the volume's bytes once, two threads */
-    BENCH_PLAIN, /* (b) plain C, two threads */
+    BENCH_PLAIN, /* plain C, two threads */
     BENCH_FRAME, /* the plugin: begin to end; with the host's queue until that has run */
     BENCH_BEGIN, /* its parts */
     BENCH_SLABS,
@@ -61,7 +60,6 @@ typedef struct {
 typedef struct {
     const hs_plugin *plugin;
     const hs_cl *cl;
-    bench_team *team;
     uint32_t frames;
     /* The value of the parameter "method"; NULL: as the plugin stands, and compared with plain C. */
     const char *method;
@@ -112,6 +110,5 @@ void bench_print_method(const bench_report *report, const char *method);
 void bench_print_plugin_head(uint32_t n, uint32_t k);
 void bench_print_plugin(const bench_plugin_result *result);
 void bench_print_stages(const bench_plugin_result *results, uint32_t count);
-void bench_print_targets(const bench_report *report);
 
 #endif

@@ -11,13 +11,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* --------------------------------------------------------------------------------------------- reading -- */
-/* Reading a volume's bytes once. */
-
-/* Reads `bytes` bytes (a multiple of 16, aligned to 8) once, as 64-bit words that are summed. Between
- * bench_team_ready and _rest. */
-uint64_t plain_read(bench_team *team, const void *memory, size_t bytes);
-
 /* ---------------------------------------------------------------------------------------- ray profiles -- */
 /* Ray profiles in plain C, for a range of rows. */
 
@@ -79,14 +72,15 @@ typedef struct {
  * completion with weights 2 : 1, S(q). All voxels count as scanned. */
 typedef struct plain_frame plain_frame;
 
-/* `team` must outlive it. NULL with HS_ERR_MEMORY, or HS_ERR_USAGE if a window's sums do not fit 32 bits with
+/* NULL with HS_ERR_MEMORY, or HS_ERR_USAGE if a window's sums do not fit 32 bits with
  * 10 fraction bits. */
-plain_frame *plain_frame_create(bench_team *team, uint32_t width, uint32_t height, uint32_t slices,
+plain_frame *plain_frame_create(uint32_t width, uint32_t height, uint32_t slices,
                                 const plain_settings *settings, hs_error *err);
 void plain_frame_destroy(plain_frame *frame);
 
-/* One frame, between bench_team_ready and _rest. depth: width * height slices; status: width * height bytes,
- * SV_POINT_*. Returns the passes of the mean filter, 0 if there is no initial point. */
-uint32_t plain_frame_run(plain_frame *frame, const plain_volume *volume, float *depth, uint8_t *status);
+/* One frame, by two threads, and its milliseconds. depth: width * height slices; status: width * height
+ * bytes, SV_POINT_*. HS_ERR_MEMORY. */
+bool plain_frame_run(plain_frame *frame, const plain_volume *volume, float *depth, uint8_t *status,
+                     double *ms, hs_error *err);
 
 #endif

@@ -7,33 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --------------------------------------------------------------------------------------------- reading -- */
-/* (a) of the benchmark: the volume's bytes, once through, by two threads. */
-
-typedef struct {
-    const uint64_t *words;
-    size_t count;
-    struct {
-        uint64_t sum;
-        char apart[64];
-    } thread[BENCH_THREADS];
-} reading;
-
-static void read_job(void *context, unsigned thread) {
-    reading *r = context;
-    const uint64_t *words = r->words;
-    const size_t end = r->count * (thread + 1) / BENCH_THREADS;
-    uint64_t sum = 0;
-    for (size_t i = r->count * thread / BENCH_THREADS; i < end; i++) sum += words[i];
-    r->thread[thread].sum = sum;
-}
-
-uint64_t plain_read(bench_team *team, const void *memory, size_t bytes) {
-    reading r = {.words = memory, .count = bytes / sizeof(uint64_t)};
-    bench_team_run(team, read_job, &r);
-    return r.thread[0].sum + r.thread[1].sum;
-}
-
 /* ---------------------------------------------------------------------------------------- ray profiles -- */
 /*
  * Ray profiles in plain C. Positions are 8-bit and relative to a group of slices, so that the loops over x
@@ -164,12 +137,11 @@ typedef struct {
 } worker;
 
 struct plain_frame {
-    bench_team *team;
+    bench_barrier barrier;
     plain_settings settings;
     plain_rays rays;
     plain_maps maps;
     worker workers[BENCH_THREADS];
-    uint32_t passes;
     const plain_volume *volume; /* of the frame under way */
     float *depth;
     uint8_t *status;
@@ -227,31 +199,29 @@ static void frame_job(void *context, unsigned thread) {
     const size_t from = (size_t)y0 * v->width, count = (size_t)(y1 - y0) * v->width;
     worker *mine = &f->workers[thread];
     mine->maximum = profile_rows(v, f->settings.fluid_level, y0, y1, &f->rays);
-    bench_team_barrier(f->team);
+    bench_barrier_wait(&f->barrier);
     mine->points = find_points(f, bone_level(f), y0, y1);
-    bench_team_barrier(f->team);
+    bench_barrier_wait(&f->barrier);
     if (f->workers[0].points + f->workers[1].points == 0) {
         memset(f->depth + from, 0, count * sizeof *f->depth);
-        if (thread == 0) f->passes = 0;
         return;
     }
     uint32_t pass = 0;
     do {
         mine->unfilled[pass % PASS_SETS] = plain_mean(&f->maps, pass, y0, y1, mine->rows);
-        bench_team_barrier(f->team);
+        bench_barrier_wait(&f->barrier);
     } while (unfilled_after(f, pass++) > 0);
-    if (thread == 0) f->passes = pass;
     plain_blend(count, f->settings.q, f->maps.surface[PLAIN_NEAR] + from, f->maps.surface[PLAIN_FAR] + from,
                 f->depth + from);
 }
 
-uint32_t plain_frame_run(plain_frame *f, const plain_volume *volume, float *depth, uint8_t *status) {
+bool plain_frame_run(plain_frame *f, const plain_volume *volume, float *depth, uint8_t *status, double *ms,
+                     hs_error *err) {
     f->volume = volume;
     f->depth = depth;
     f->status = status;
     f->maps.status = status;
-    bench_team_run(f->team, frame_job, f);
-    return f->passes;
+    return bench_two_run(frame_job, f, ms, err);
 }
 
 static void *zeroed(size_t count, size_t size, bool *ok) {
@@ -279,7 +249,7 @@ static bool allocate(plain_frame *f) {
     return ok;
 }
 
-plain_frame *plain_frame_create(bench_team *team, uint32_t width, uint32_t height, uint32_t slices,
+plain_frame *plain_frame_create(uint32_t width, uint32_t height, uint32_t slices,
                                 const plain_settings *settings, hs_error *err) {
     const uint32_t fraction = plain_fraction(slices, settings->k);
     if (fraction < PLAIN_MIN_FRACTION) {
@@ -289,7 +259,6 @@ plain_frame *plain_frame_create(bench_team *team, uint32_t width, uint32_t heigh
     }
     plain_frame *f = calloc(1, sizeof *f);
     if (f) {
-        f->team = team;
         f->settings = *settings;
         f->maps.width = width;
         f->maps.height = height;

@@ -34,9 +34,8 @@ static const char intro[] =
     "Usage: sv_bench [options]\n"
     "Times a plugin's frames beside plain C.\n"
     "\n"
-    "A frame is timed in turns with (a) reading the volume's bytes once and (b) the same work in plain C, "
-    "both\n"
-    "on two threads; then with method wall, if the plugin has it.\n"
+    "A frame is timed in turns with the same work in plain C, on two threads; then with method wall, if\n"
+    "the plugin has it.\n"
     "The plugin's map is compared with plain C's before anything is timed. A plugin without the parameters "
     "q\n"
     "and kernel is timed as it is. '--only worst' prints what a frame costs at worst.\n\n";
@@ -138,8 +137,7 @@ static const hs_option known[] = {
 static void print_help(void) {
     printf("%s", intro);
     hs_options_print(known);
-    printf("\nExit codes as host_sim's; 1: the plugin's map is not plain C's. A target that does not hold is "
-           "no failure.\n");
+    printf("\nExit codes as host_sim's; 1: the plugin's map is not plain C's.\n");
 }
 
 static bool parse_options(int argc, char **argv, options *o, bool *wants_help, hs_error *err) {
@@ -160,7 +158,6 @@ typedef struct {
     options o;
     hs_cl cl;
     hs_plugin plugin;
-    bench_team *team;
     bench_plugin_result results[MAX_RESULTS];
     bench_report report;
 } bench_run;
@@ -168,7 +165,7 @@ typedef struct {
 /* All chosen ways of one slab length. `method` as in bench_plugin_setup. */
 static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const char *method, hs_error *err) {
     const bench_plugin_setup setup = {
-        .plugin = &run->plugin, .cl = &run->cl, .team = run->team, .frames = run->o.frames, .method = method};
+        .plugin = &run->plugin, .cl = &run->cl, .frames = run->o.frames, .method = method};
     bench_slabs slabs;
     if (!bench_slabs_create(&slabs, sizes[size], slab_slices, err)) return false;
     bool ok = true;
@@ -240,12 +237,9 @@ static bool (*const part_runs[PARTS])(bench_run *run, hs_error *err) = {
 static bool measure(bench_run *run, hs_error *err) {
     bench_machine_ask(&run->report.machine, &run->cl, &run->plugin);
     bench_machine_print(&run->report.machine);
-    run->team = bench_team_create(err);
     run->report.plugin = run->results;
-    if (!run->team) return false;
     for (int i = 0; i < PARTS; i++)
         if (run->o.part[i] && !part_runs[i](run, err)) return false;
-    if (run->o.part[PART_PLUGIN]) bench_print_targets(&run->report);
     return true;
 }
 
@@ -257,7 +251,6 @@ static int open_and_measure(void *context) {
     const bool plugin =
         device && hs_plugin_open(&run->plugin, run->o.plugin, run->o.id, SV_LOG_WARNING, &err);
     const bool ok = plugin && measure(run, &err);
-    bench_team_destroy(run->team);
     if (plugin) hs_plugin_close(&run->plugin);
     if (device) hs_cl_close(&run->cl);
     return ok ? HS_OK : fail(&err);
