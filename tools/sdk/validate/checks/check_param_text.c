@@ -134,11 +134,11 @@ void check_param_enum_names(v_run *run) {
 /* ----------------------------------------------------------------------------------------------- pairs -- */
 /*
  * Every pair of values of two parameters is tried, and many pairs at once: a row of values for all
- * parameters covers a pair of every two of them. Rows are made greedily, so that each covers as many pairs as
- * are left. If a row fails, the pair that is to blame is looked for among its values.
+ * parameters covers a pair of every two of them. If a row fails, the pair that is to blame is looked for
+ * among its values.
  */
 
-enum { MAX_KNOBS = 24, MAX_VALUES = 12, TRIES = 24 };
+enum { MAX_KNOBS = 24, MAX_VALUES = 12 };
 
 typedef struct {
     const sv_param_info *info;
@@ -153,47 +153,22 @@ typedef struct {
     bool covered[MAX_KNOBS][MAX_VALUES][MAX_KNOBS][MAX_VALUES];
 } search;
 
-static v_params params;
-
-/* All values where they are few, else the ends, the default, and random ones. */
-static void choose_values(const v_subject *s, knob *k) {
-    const sv_param_info *i = k->info;
-    const uint32_t values = v_param_values(i);
-    if (values > 0 && values <= MAX_VALUES) {
-        for (uint32_t n = 0; n < values; n++)
-            if (v_param_has(s, i, i->min_value + n * i->step))
-                k->value[k->count++] = i->min_value + n * i->step;
-        return;
-    }
-    k->value[k->count++] = i->min_value;
-    k->value[k->count++] = i->default_value;
-    k->value[k->count++] = values > 0 ? i->min_value + (values - 1) * i->step : i->max_value;
-    if (s->run->level > 5) k->value[k->count++] = v_param_random(s, i);
-}
-
-static uint32_t gain_of(const search *s, const uint32_t *row, uint32_t upto, uint32_t at, uint32_t value) {
+/* How many pairs that no row has had this value would make with the others' values. */
+static uint32_t gain_of(const search *s, const uint32_t *row, uint32_t at, uint32_t value) {
     uint32_t gain = 0;
-    for (uint32_t k = 0; k < upto; k++)
+    for (uint32_t k = 0; k < s->count; k++)
         if (k != at) gain += !s->covered[k][row[k]][at][value];
     return gain;
 }
 
-/* A row from a random start: parameters in turn take the value that covers most. Returns the pairs. */
-static uint32_t make_row(v_run *run, const search *s, uint32_t *row) {
-    uint32_t total = 0;
-    for (uint32_t k = 0; k < s->count; k++) row[k] = v_random(run, s->knobs[k].count);
-    for (int round = 0; round < 3; round++)
-        for (uint32_t k = 0; k < s->count; k++) {
-            uint32_t best = gain_of(s, row, s->count, k, row[k]);
-            for (uint32_t v = 0; v < s->knobs[k].count; v++) {
-                const uint32_t gain = gain_of(s, row, s->count, k, v);
-                if (gain <= best) continue;
-                best = gain;
-                row[k] = v;
-            }
-        }
-    for (uint32_t k = 0; k < s->count; k++) total += gain_of(s, row, k, k, row[k]);
-    return total;
+/* A row with the values of parameters `a` and `b`; the others, from random ones on, take in turn the value
+ * that covers most. */
+static void make_row(const search *s, uint32_t a, uint32_t b, uint32_t *row) {
+    for (uint32_t k = 0; k < s->count; k++)
+        if (k != a && k != b) row[k] = v_random(s->r->s.run, s->knobs[k].count);
+    for (uint32_t k = 0; k < s->count; k++)
+        for (uint32_t v = 0; k != a && k != b && v < s->knobs[k].count; v++)
+            if (gain_of(s, row, k, v) > gain_of(s, row, k, row[k])) row[k] = v;
 }
 
 static void cover(search *s, const uint32_t *row) {
@@ -244,24 +219,8 @@ static _Noreturn void blame(search *s, const uint32_t *row, sv_status status) {
            text);
 }
 
-static bool try_best_row(search *s) {
-    uint32_t row[MAX_KNOBS], best_row[MAX_KNOBS], best = 0, all[MAX_KNOBS];
-    for (int i = 0; i < TRIES; i++) {
-        const uint32_t gain = make_row(s->r->s.run, s, row);
-        if (gain <= best) continue;
-        best = gain;
-        memcpy(best_row, row, sizeof row);
-    }
-    if (best == 0) return false;
-    for (uint32_t k = 0; k < s->count; k++) all[k] = k;
-    const sv_status status = try_values(s, best_row, all, s->count);
-    if (status < 0) blame(s, best_row, status);
-    cover(s, best_row);
-    return true;
-}
-
-/* Random rows seldom hit the last pairs: these get rows of their own. */
-static uint32_t try_rest(search *s) {
+/* Returns the rows that it took. */
+static uint32_t try_pairs(search *s) {
     uint32_t rows = 0, row[MAX_KNOBS] = {0}, all[MAX_KNOBS];
     for (uint32_t k = 0; k < s->count; k++) all[k] = k;
     for (uint32_t a = 0; a < s->count; a++)
@@ -269,9 +228,9 @@ static uint32_t try_rest(search *s) {
             for (uint32_t i = 0; i < s->knobs[a].count; i++)
                 for (uint32_t j = 0; j < s->knobs[b].count; j++) {
                     if (s->covered[a][i][b][j]) continue;
-                    for (uint32_t k = 0; k < s->count; k++) row[k] = v_random(s->r->s.run, s->knobs[k].count);
                     row[a] = i;
                     row[b] = j;
+                    make_row(s, a, b, row);
                     const sv_status status = try_values(s, row, all, s->count);
                     if (status < 0) blame(s, row, status);
                     cover(s, row);
@@ -282,7 +241,7 @@ static uint32_t try_rest(search *s) {
 
 void check_param_pairs(v_run *run) {
     static search s;
-    uint32_t rows = 0, pairs = 0;
+    uint32_t pairs = 0;
     memset(&s, 0, sizeof s);
     s.r = v_rig_standard(run);
     v_deactivate(&s.r->s, s.r->s.plugin);
@@ -290,13 +249,13 @@ void check_param_pairs(v_run *run) {
     for (uint32_t i = 0; i < params.count && s.count < MAX_KNOBS; i++) {
         if (!(params.info[i].flags & SV_PARAM_REACTIVATE)) continue;
         s.knobs[s.count].info = &params.info[i];
-        choose_values(&s.r->s, &s.knobs[s.count++]);
+        knob *k = &s.knobs[s.count++];
+        k->count = v_param_choice(&s.r->s, k->info, k->value, MAX_VALUES);
     }
     if (s.count < 2) v_skip(run, "fewer than two parameters need a new activation");
     for (uint32_t a = 0; a < s.count; a++)
         for (uint32_t b = 0; b < a; b++) pairs += s.knobs[a].count * s.knobs[b].count;
-    while (try_best_row(&s)) rows++;
-    rows += try_rest(&s);
+    const uint32_t rows = try_pairs(&s);
     v_note(run, "%u parameters, %u pairs of values, in %u activations", s.count, pairs, rows);
     v_activate(&s.r->s, s.r->s.plugin, &s.r->stage);
 }

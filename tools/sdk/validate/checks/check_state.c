@@ -142,22 +142,6 @@ enum { MAX_VALUES = 64 };
 
 static v_params params;
 
-/* All values, or the ends and the middle where they are many. */
-static uint32_t choose_values(const v_subject *s, const sv_param_info *p, double out[MAX_VALUES]) {
-    const uint32_t values = v_param_values(p);
-    if (values > 0 && values <= MAX_VALUES && p->type != SV_PARAM_INT) {
-        uint32_t count = 0;
-        for (uint32_t n = 0; n < values; n++)
-            if (v_param_has(s, p, p->min_value + n * p->step)) out[count++] = p->min_value + n * p->step;
-        return count;
-    }
-    const uint32_t half = values / 2;
-    out[0] = p->min_value;
-    out[1] = values > 0 ? p->min_value + (values - 1) * p->step : p->max_value;
-    out[2] = values > 0 ? p->min_value + half * p->step : 0.5 * (p->min_value + p->max_value);
-    return values > 0 && values < 3 ? values : 3;
-}
-
 static void inspect_map(v_run *run, const v_map *map, uint32_t slices, const char *what) {
     v_map_judge_depths(run, map, slices, what);
     V_EXPECT(run, map->outcome == SV_OK || map->outcome == SV_PARTIAL || map->outcome == SV_NO_SURFACE,
@@ -199,7 +183,8 @@ void check_every_setting(v_run *run) {
     for (uint32_t i = 0; i < params.count; i++) {
         double values[MAX_VALUES];
         if (!(params.info[i].flags & SV_PARAM_REACTIVATE)) continue;
-        const uint32_t count = choose_values(&r->s, &params.info[i], values);
+        const uint32_t most = params.info[i].type == SV_PARAM_INT ? 3 : MAX_VALUES;
+        const uint32_t count = v_param_choice(&r->s, &params.info[i], values, most);
         for (uint32_t n = 0; n < count; n++) {
             if (values[n] == params.info[i].default_value) continue; /* the other checks try that */
             try_setting(r, &params.info[i], values[n]);

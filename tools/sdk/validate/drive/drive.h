@@ -151,6 +151,10 @@ uint32_t v_param_values(const sv_param_info *info);
  * it must refuse it. */
 bool v_param_has(const v_subject *s, const sv_param_info *info, double value);
 
+/* All values of the parameter where there are `most` (3 or more) at most; else the ends and the middle.
+ * Returns how many. */
+uint32_t v_param_choice(const v_subject *s, const sv_param_info *info, double *out, uint32_t most);
+
 /* A value of the parameter: anywhere in the hard range, an end now and then. */
 double v_param_random(const v_subject *s, const sv_param_info *info);
 

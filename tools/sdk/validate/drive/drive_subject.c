@@ -157,6 +157,22 @@ bool v_param_has(const v_subject *s, const sv_param_info *info, double value) {
            s->plugin->param_text(s->plugin, info->id, value, text, sizeof text) != SV_ERR_PARAM_RANGE;
 }
 
+uint32_t v_param_choice(const v_subject *s, const sv_param_info *info, double *out, uint32_t most) {
+    const uint32_t values = v_param_values(info);
+    uint32_t count = 0;
+    if (values > 0 && values <= most) {
+        for (uint32_t n = 0; n < values; n++)
+            if (v_param_has(s, info, info->min_value + n * info->step))
+                out[count++] = info->min_value + n * info->step;
+        return count;
+    }
+    out[0] = info->min_value;
+    out[1] = values > 0 ? info->min_value + (values - 1) * info->step : info->max_value;
+    out[2] =
+        values > 0 ? info->min_value + values / 2 * info->step : 0.5 * (info->min_value + info->max_value);
+    return 3;
+}
+
 double v_param_random(const v_subject *s, const sv_param_info *info) {
     v_run *run = s->run;
     const uint32_t values = v_param_values(info), turn = v_random(run, 8);
