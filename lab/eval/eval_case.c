@@ -155,8 +155,7 @@ void hs_eval_source_close(hs_eval_source *source) {
 
 /* ------------------------------------------------------------------------------------------------ case -- */
 
-#define LINEAR_TOLERANCE 1e-3 /* slices */
-#define MAX_REPEATS      15
+#define MAX_REPEATS 15
 
 bool hs_eval_values_add(hs_eval_values *values, uint32_t id, double value, hs_error *err) {
     for (uint32_t i = 0; i < values->count; i++)
@@ -217,9 +216,9 @@ static bool make_loop(hs_eval_case *c, const hs_cl *cl, const hs_eval_values *fi
 
 static bool allocate(hs_eval_case *c, hs_error *err) {
     const size_t pixels = (size_t)c->table.width * c->table.height;
-    for (int i = 0; i < 2; i++) c->map[i] = calloc(pixels, sizeof(float));
+    c->map = calloc(pixels, sizeof(float));
     c->termination = calloc(pixels, sizeof(float));
-    return (c->map[0] && c->map[1] && c->termination) ||
+    return (c->map && c->termination) ||
            hs_fail(err, HS_ERR_MEMORY, "evaluation: no memory for %zu pixels", pixels);
 }
 
@@ -257,14 +256,13 @@ bool hs_eval_case_replace(hs_eval_case *c, const hs_cl *cl, const hs_plugin *plu
                           const hs_eval_values *fixed, hs_error *err) {
     hs_eval_case_release(c);
     c->plugin = plugin;
-    c->way = HS_KNOB_UNKNOWN;
     return make_loop(c, cl, fixed, c->table.width, err) && hs_loop_convert(c->loop, 0, err);
 }
 
 void hs_eval_case_close(hs_eval_case *c) {
     hs_loop_destroy(c->loop);
     hs_eval_table_free(&c->table);
-    for (int i = 0; i < 2; i++) free(c->map[i]);
+    free(c->map);
     free(c->termination);
     hs_eval_source_close(&c->from);
     *c = (hs_eval_case){0};
@@ -272,82 +270,35 @@ void hs_eval_case_close(hs_eval_case *c) {
 
 /* ------------------------------------------------------------------------------------------- measure -- */
 
-/* The knob at `position` of the frame that was just run, without a new frame. */
-static bool adjusted_map(hs_eval_case *c, const hs_eval_knob *knob, double position, float *map,
-                         hs_error *err) {
-    hs_frame frame;
-    const sv_param_value value = {.id = knob->info.id, .value = position};
-    return hs_loop_adjust(c->loop, value, &frame, map, err);
-}
-
-/* The second of the two maps: one unit away, q = 1 for the mean filter, or at the end of a shorter range. */
-static double second_position(const hs_eval_knob *knob) {
-    const double last = knob->value[knob->count - 1];
-    return knob->value[0] + 1.0 < last ? knob->value[0] + 1.0 : last;
-}
-
-static void weights(const hs_eval_knob *knob, float *weight) {
-    const double unit = second_position(knob) - knob->value[0];
-    for (uint32_t i = 0; i < knob->count; i++) weight[i] = (float)((knob->value[i] - knob->value[0]) / unit);
-}
-
-/* Whether the last position lies on the line through the two maps; c->map holds both. */
-static bool decide_way(hs_eval_case *c, const hs_eval_knob *knob, hs_error *err) {
-    const size_t pixels = (size_t)c->table.width * c->table.height;
-    float weight[HS_EVAL_MAX_LINE];
-    weights(knob, weight);
-    if (!adjusted_map(c, knob, knob->value[knob->count - 1], c->termination, err)) return false;
-    c->way = HS_KNOB_LINEAR;
-    for (size_t i = 0; i < pixels; i++) {
-        const double predicted = (double)c->map[0][i] + (double)weight[knob->count - 1] *
-                                                            ((double)c->map[1][i] - (double)c->map[0][i]);
-        if (!(fabs(predicted - (double)c->termination[i]) <= LINEAR_TOLERANCE)) c->way = HS_KNOB_ADJUST;
-    }
-    return true;
-}
-
-static bool measure_adjusted(hs_eval_case *c, const hs_eval_knob *knob, hs_measures *out, hs_error *err) {
-    for (uint32_t i = 0; i < knob->count; i++) {
-        if (!adjusted_map(c, knob, knob->value[i], c->map[1], err)) return false;
-        hs_eval_measure_map(&c->table, c->map[1], &out[i]);
-    }
-    return true;
-}
-
-/* c->map[0] holds the first position. */
-static bool measure_clipped(hs_eval_case *c, const hs_eval_knob *knob, hs_measures *out, hs_error *err) {
-    float weight[HS_EVAL_MAX_LINE];
-    if (c->way != HS_KNOB_ADJUST && !adjusted_map(c, knob, second_position(knob), c->map[1], err))
-        return false;
-    if (c->way == HS_KNOB_UNKNOWN && !decide_way(c, knob, err)) return false;
-    if (c->way == HS_KNOB_ADJUST) return measure_adjusted(c, knob, out, err);
-    weights(knob, weight);
-    hs_eval_measure_line(&c->table, c->map[0], c->map[1], weight, knob->count, 0, out);
-    return true;
-}
-
-/* The frame with the knob at one position, into c->map[0]. */
+/* The frame with the knob at one position, into c->map. */
 static bool frame_at(hs_eval_case *c, const hs_eval_values *values, const hs_eval_knob *knob, uint32_t i,
                      hs_frame *frame, hs_error *err) {
     hs_eval_values all = *values;
     return (!knob->exists || hs_eval_values_add(&all, knob->info.id, knob->value[i], err)) &&
-           run_frame(c, &all, frame, c->map[0], err);
+           run_frame(c, &all, frame, c->map, err);
+}
+
+/* The knob at another position of the frame that was just run, without a new frame. */
+static bool adjusted_at(hs_eval_case *c, const hs_eval_knob *knob, uint32_t i, hs_error *err) {
+    hs_frame frame;
+    const sv_param_value value = {.id = knob->info.id, .value = knob->value[i]};
+    return hs_loop_adjust(c->loop, value, &frame, c->map, err);
 }
 
 bool hs_eval_case_measure(hs_eval_case *c, const hs_eval_values *values, const hs_eval_knob *knob,
                           hs_measures *out, sv_status *outcome, hs_error *err) {
     hs_frame frame;
-    const bool adjustable = knob->exists && knob->count > 1 && (knob->info.flags & SV_PARAM_ADJUST);
-    if (knob->exists && !adjustable) c->way = HS_KNOB_FRAME;
+    const bool adjustable = knob->exists && (knob->info.flags & SV_PARAM_ADJUST);
     if (!frame_at(c, values, knob, 0, &frame, err)) return false;
+    const bool clipped = frame.clipped;
     *outcome = frame.outcome;
-    if (adjustable && frame.clipped) return measure_clipped(c, knob, out, err);
-    hs_eval_measure_map(&c->table, c->map[0], &out[0]);
+    hs_eval_measure_map(&c->table, c->map, &out[0]);
     for (uint32_t i = 1; i < knob->count; i++) {
         out[i] = out[0];
-        if (adjustable) continue; /* without a surface there is nothing to turn */
-        if (!frame_at(c, values, knob, i, &frame, err)) return false;
-        hs_eval_measure_map(&c->table, c->map[0], &out[i]);
+        if (adjustable && !clipped) continue; /* without a surface there is nothing to turn */
+        if (adjustable ? !adjusted_at(c, knob, i, err) : !frame_at(c, values, knob, i, &frame, err))
+            return false;
+        hs_eval_measure_map(&c->table, c->map, &out[i]);
     }
     return true;
 }
@@ -369,7 +320,7 @@ bool hs_eval_case_time(hs_eval_case *c, const hs_eval_values *values, uint32_t r
 bool hs_eval_case_direct(hs_eval_case *c, const hs_eval_values *values, hs_measures *out, sv_status *outcome,
                          hs_error *err) {
     hs_frame frame;
-    if (!run_frame(c, values, &frame, c->map[0], err) ||
+    if (!run_frame(c, values, &frame, c->map, err) ||
         !hs_loop_ray_ends(c->loop, 0, &frame, c->termination, err))
         return false;
     *outcome = frame.outcome;

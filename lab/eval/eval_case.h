@@ -109,14 +109,6 @@ typedef struct {
     float of[HS_MEASURE_COUNT];
 } hs_measures;
 
-#define HS_EVAL_MAX_LINE 64u
-
-/* The results of `count` (1 .. HS_EVAL_MAX_LINE) depthmaps zero + weight[i] * (one - zero): `zero` and `one`
- * are the maps at weight 0 and 1, width * height slices each. `threads` as for hs_thread_count; few
- * look-ups are done on one. */
-void hs_eval_measure_line(const hs_eval_table *table, const float *zero, const float *one,
-                          const float *weight, uint32_t count, uint32_t threads, hs_measures *out);
-
 /* The result of one depthmap; NULL: of the full volume, unclipped. */
 void hs_eval_measure_map(const hs_eval_table *table, const float *map, hs_measures *out);
 
@@ -160,6 +152,8 @@ bool hs_eval_values_add(hs_eval_values *values, uint32_t id, double value, hs_er
 bool hs_eval_values_parse(hs_eval_values *values, const hs_plugin *plugin, const char *const *sets,
                           uint32_t count, hs_error *err);
 
+#define HS_EVAL_MAX_LINE 64u /* positions of a parameter */
+
 /* The positions of the plugin's knob (its primary parameter) that are looked at. */
 typedef struct {
     bool exists; /* false: the plugin has no knob; then `count` is 1 and `value` means nothing */
@@ -171,22 +165,13 @@ typedef struct {
 /* `wanted` positions over the display range, ends included; fewer where its step does not allow more. */
 void hs_eval_knob_spread(hs_eval_knob *knob, const hs_plugin *plugin, uint32_t wanted);
 
-/* How the depthmap follows the knob. Decided from the first frame with a surface. */
-typedef enum {
-    HS_KNOB_UNKNOWN,
-    HS_KNOB_LINEAR, /* two maps give all: checked at the last position to 1e-3 slices */
-    HS_KNOB_ADJUST, /* the plugin's adjust gives every position */
-    HS_KNOB_FRAME   /* a whole frame per position: adjust does not take the knob */
-} hs_knob_way;
-
 /* Owned by the caller; must not move while open. */
 typedef struct {
     hs_eval_source from;
     hs_loop *loop; /* its picture is as large as the map */
     const hs_plugin *plugin;
     hs_eval_table table;
-    hs_knob_way way;
-    float *map[2];      /* width * height slices: scratch */
+    float *map;         /* width * height slices: scratch */
     float *termination; /* the same in steps */
     uint64_t frame;     /* frames so far */
     double volume_max;  /* 0 .. 1, of the low-resolution volume, as the plugin reports it; 0: it does not */
@@ -215,7 +200,7 @@ bool hs_eval_case_measure(hs_eval_case *c, const hs_eval_values *values, const h
                           hs_measures *out, sv_status *outcome, hs_error *err);
 
 /* The direct way: the frame with these values, its picture of termination depths (into c->termination) by the
- * renderer, and Eq. 4.5 - 4.10 on that. The depthmap is in c->map[0]; *outcome is the plugin's. */
+ * renderer, and Eq. 4.5 - 4.10 on that. The depthmap is in c->map; *outcome is the plugin's. */
 bool hs_eval_case_direct(hs_eval_case *c, const hs_eval_values *values, hs_measures *out, sv_status *outcome,
                          hs_error *err);
 

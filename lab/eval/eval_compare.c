@@ -62,7 +62,6 @@ static bool measure(hs_eval_method *m, hs_eval_case *c, uint32_t index, uint32_t
     m->of[HS_METHOD_CUT][index][seed] = at[0].of[HS_MEASURE_FETUS_CUT];
     m->of[HS_METHOD_LEFT][index][seed] = at[0].of[HS_MEASURE_OCCLUDER_LEFT];
     m->of[HS_METHOD_BEST][index][seed] = at[0].of[HS_MEASURE_ABS];
-    c->way = HS_KNOB_UNKNOWN;
     if (!hs_eval_case_measure(c, &m->values, &m->knob, at, &outcome, err)) return false;
     for (uint32_t i = 0; i < m->knob.count; i++)
         m->of[HS_METHOD_BEST][index][seed] =

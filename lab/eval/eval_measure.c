@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_case.h"
 
-#include "base/threads.h"
 #include "loop/loop_run.h"
 #include "render/dvr_settings.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -177,22 +175,12 @@ void hs_eval_table_free(hs_eval_table *table) {
 
 /* -------------------------------------------------------------------------------------------- measures -- */
 
-#define BLOCKS      16u
-#define MIN_LOOKUPS 8192u /* fewer are done before a second thread has started */
-
 const char *hs_measure_key(hs_measure measure) {
     static const char *const keys[HS_MEASURE_COUNT] = {
         "e_abs",       "e_pos",       "e_neg",       "e_abs_sac", "e_pos_sac",    "e_neg_sac",
         "e_abs_fetus", "e_pos_fetus", "e_neg_fetus", "fetus_cut", "occluder_left"};
     return keys[measure];
 }
-
-typedef struct {
-    const hs_eval_table *table;
-    const float *zero, *one, *weight;
-    uint32_t count, blocks;
-    hs_eval_tally of[BLOCKS][HS_EVAL_MAX_LINE][2]; /* by block and map; sac, fetus */
-} job;
 
 static inline void count_error(hs_eval_tally *t, int32_t e, uint32_t occluded, uint32_t tolerance) {
     const uint32_t too_early = e > 0 ? (uint32_t)e : 0u, too_late = e < 0 ? (uint32_t)-e : 0u;
@@ -208,29 +196,6 @@ static inline void count_error(hs_eval_tally *t, int32_t e, uint32_t occluded, u
 
 void hs_eval_count(hs_eval_tally by_label[2], uint8_t label, int32_t e, bool occluded, uint32_t tolerance) {
     if (label != HS_LABEL_NEITHER) count_error(&by_label[label == HS_LABEL_FETUS], e, occluded, tolerance);
-}
-
-/* Rays `from` .. `to` - 1, which have one label, for map i. */
-static hs_eval_tally count_rays(const job *j, uint32_t from, uint32_t to, uint32_t i) {
-    const hs_eval_table *t = j->table;
-    hs_eval_tally own = {0};
-    for (uint32_t r = from; r < to; r++) {
-        const float zero = j->zero ? j->zero[t->pixel[r]] : 0.0f;
-        const float slope = j->zero ? j->one[t->pixel[r]] - zero : 0.0f;
-        count_error(&own, error_at(t, r, zero + j->weight[i] * slope), t->is_occluded[r], HS_EVAL_TOLERANCE);
-    }
-    return own;
-}
-
-static void count_block(void *context, uint32_t block) {
-    job *j = context;
-    const uint32_t first = (uint32_t)((uint64_t)j->table->count * block / j->blocks);
-    const uint32_t end = (uint32_t)((uint64_t)j->table->count * (block + 1) / j->blocks);
-    const uint32_t fetus = j->table->first_fetus, parted = fetus < first ? first : fetus < end ? fetus : end;
-    for (uint32_t i = 0; i < j->count; i++) { /* the outer loop: a tally stays in registers */
-        j->of[block][i][0] = count_rays(j, first, parted, i);
-        j->of[block][i][1] = count_rays(j, parted, end, i);
-    }
 }
 
 static float mean(uint64_t sum, uint32_t rays, float none) {
@@ -266,22 +231,12 @@ void hs_eval_measures(const hs_eval_tally by_label[2], hs_measures *out) {
     out->of[HS_MEASURE_OCCLUDER_LEFT] = mean(both.left, both.occluded, NAN);
 }
 
-void hs_eval_measure_line(const hs_eval_table *table, const float *zero, const float *one,
-                          const float *weight, uint32_t count, uint32_t threads, hs_measures *out) {
-    assert(count >= 1 && count <= HS_EVAL_MAX_LINE);
-    job j = {.table = table, .zero = zero, .one = one, .weight = weight, .count = count, .blocks = BLOCKS};
-    const bool small = (uint64_t)table->count * count < MIN_LOOKUPS;
-    hs_parallel(small ? 1 : hs_thread_count(threads), BLOCKS, count_block, &j);
-    for (uint32_t i = 0; i < count; i++) {
-        for (uint32_t b = 1; b < BLOCKS; b++)
-            for (int label = 0; label < 2; label++) add(&j.of[0][i][label], &j.of[b][i][label]);
-        hs_eval_measures(j.of[0][i], &out[i]);
-    }
-}
-
-void hs_eval_measure_map(const hs_eval_table *table, const float *map, hs_measures *out) {
-    const float weight = 0.0f;
-    hs_eval_measure_line(table, map, map, &weight, 1, 1, out);
+void hs_eval_measure_map(const hs_eval_table *t, const float *map, hs_measures *out) {
+    hs_eval_tally by_label[2] = {{0}};
+    for (uint32_t r = 0; r < t->count; r++)
+        count_error(&by_label[r >= t->first_fetus], error_at(t, r, map ? map[t->pixel[r]] : 0.0f),
+                    t->is_occluded[r], HS_EVAL_TOLERANCE);
+    hs_eval_measures(by_label, out);
 }
 
 void hs_eval_error_picture(const hs_eval_table *table, const float *termination, float *out) {

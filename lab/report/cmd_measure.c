@@ -101,8 +101,8 @@ static bool measure_all(const hs_eval_case *c, char **paths, int count, json_t *
     for (int i = 0; i < count; i++) {
         hs_measures measures;
         const bool unclipped = strcmp(paths[i], "-") == 0;
-        if (!unclipped && !read_map(paths[i], &c->table, c->map[0], err)) return false;
-        hs_eval_measure_map(&c->table, unclipped ? NULL : c->map[0], &measures);
+        if (!unclipped && !read_map(paths[i], &c->table, c->map, err)) return false;
+        hs_eval_measure_map(&c->table, unclipped ? NULL : c->map, &measures);
         if (json_array_append_new(out, describe(paths[i], &measures)) != 0)
             return hs_fail(err, HS_ERR_MEMORY, "no memory for the results");
     }

@@ -125,28 +125,6 @@ static void measures_are_those_by_hand(void **state) {
     close_rig(&r);
 }
 
-/* A line of maps gives what each of its maps gives alone, on one thread and on two. */
-static void lines_are_their_maps(void **state) {
-    rig r = open_rig(*state);
-    float zero[LOW * LOW], one[LOW * LOW], map[LOW * LOW], weight[HS_EVAL_MAX_LINE];
-    hs_measures line[HS_EVAL_MAX_LINE], single;
-    test_random random = {9};
-    for (int i = 0; i < LOW * LOW; i++) {
-        zero[i] = (float)test_uniform(&random, -2, 18);
-        one[i] = (float)test_uniform(&random, -2, 18);
-    }
-    for (uint32_t i = 0; i < HS_EVAL_MAX_LINE; i++) weight[i] = 0.025f * (float)i;
-    for (uint32_t threads = 1; threads <= 2; threads++) {
-        hs_eval_measure_line(&r.table, zero, one, weight, HS_EVAL_MAX_LINE, threads, line);
-        for (uint32_t i = 0; i < HS_EVAL_MAX_LINE; i++) {
-            for (int p = 0; p < LOW * LOW; p++) map[p] = zero[p] + weight[i] * (one[p] - zero[p]);
-            hs_eval_measure_map(&r.table, map, &single);
-            assert_memory_equal(&line[i], &single, sizeof single);
-        }
-    }
-    close_rig(&r);
-}
-
 /* Without a fetus its measures are no numbers, and the others are not spoilt. */
 static void missing_label_is_no_number(void **state) {
     fixture *f = *state;
@@ -185,5 +163,4 @@ static void other_pictures_are_refused(void **state) {
 
 UNIT_MAIN(set_up, tear_down, cmocka_unit_test(table_holds_every_start),
           cmocka_unit_test(starts_follow_the_renderer), cmocka_unit_test(measures_are_those_by_hand),
-          cmocka_unit_test(lines_are_their_maps), cmocka_unit_test(missing_label_is_no_number),
-          cmocka_unit_test(other_pictures_are_refused))
+          cmocka_unit_test(missing_label_is_no_number), cmocka_unit_test(other_pictures_are_refused))
