@@ -37,7 +37,6 @@ typedef int16 vi;
 #define TO_VI(v) convert_int16(v)
 /* A comparison of vectors gives -1, one of scalars 1; as masks both must be -1. */
 #define MASK(condition) (condition)
-#define LANE_INDEX      ((float16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15))
 #define LANE_X          ((float16)(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3))
 #define LANE_Y          ((float16)(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3))
 #define STORE(v, p)     store_lanes(v, p)
@@ -50,7 +49,6 @@ typedef int vi;
 #define TO_VF(v)        convert_float(v)
 #define TO_VI(v)        convert_int(v)
 #define MASK(condition) (-(int)(condition))
-#define LANE_INDEX      0.0f
 #define LANE_X          0.0f
 #define LANE_Y          0.0f
 #define STORE(v, p)     (*(p) = (v))

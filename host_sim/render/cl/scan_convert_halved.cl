@@ -5,6 +5,9 @@
  * eight, so one sample does what some twenty would do in the source, from an eighth of the bytes. At the
  * edge of what was scanned the nearest voxels of the source count, as in convert_nearest.
  */
+#define WEIGHT_BITS 8     /* of a position between two voxels: a sample's weights add up to 1 << 8 */
+#define BLOCK       LANES /* edge of what a work item of convert_halved makes; the host's (scan_convert.c) */
+
 /* Where between eight voxels a packet's positions lie: 0 .. 1 << WEIGHT_BITS. */
 typedef struct {
     vi x, y, z;
@@ -192,14 +195,9 @@ INLINE bool is_inside(const halved_job *job, reach r) {
     return all(((r.low >= 0) & (r.high < job->inner)).xyz);
 }
 
-/* Where the first row of a block's slice goes. */
-INLINE __global uchar *row_of(slab_target to, place block, int slice) {
-    return tile_of(to.slab, to.layout, slice) + (size_t)block.y * to.layout.w + block.x;
-}
-
 /* A slice of a block that lies outside the volume. */
 INLINE void clear_slice(slab_target to, place block, int slice) {
-    __global uchar *row = row_of(to, block, slice);
+    __global uchar *row = tile_of(to.slab, to.layout, slice) + (size_t)block.y * to.layout.w + block.x;
     int width = min(BLOCK, to.size.x - block.x), end = min(block.y + BLOCK, to.size.y);
     for (int y = block.y; y < end; y++, row += to.layout.w) {
 #if LANES == 16
@@ -227,58 +225,6 @@ INLINE void convert_column(const halved_job *job, slab_target to, place at, int 
         convert_run(job, to, at, slice, start, false, RUN);
     }
 }
-
-#if LANES == 16
-/* True if the camera looks along the halved volume's axes, and a voxel is one sample. */
-INLINE bool is_along_axes(const halved_job *job) {
-    const lattice *l = &job->l;
-    int last = 2 + (((BLOCK - 1) * l->dx.x) >> l->bits); /* voxels behind the first one's, at most */
-    return job->samples == 1 && l->dx.x > 0 && l->dy.y > 0 && l->dz.z > 0 && (l->dx.y | l->dx.z) == 0 &&
-           (l->dy.x | l->dy.z) == 0 && (l->dz.x | l->dz.y) == 0 && last < AXES_SPAN &&
-           job->half_dims.x * job->half_dims.y * job->half_dims.z >= AXES_SPAN;
-}
-
-/* Makes those packets of a block again that an edge of what was scanned goes through. `edges`: of each slice,
- * as convert_axes returns them. */
-INLINE void convert_edges(const halved_job *job, slab_target to, place block, int slices, const uint *edges) {
-    for (int i = 0; i < slices; i += RUN) {
-        int count = min(RUN, slices - i);
-        uint any = 0;
-        for (int k = 0; k < count; k++) any |= edges[i + k];
-        for (int packet = 0; any >> packet != 0; packet++) {
-            int row = packet / (BLOCK / PACKET_W), column = packet % (BLOCK / PACKET_W);
-            place at = {block.x + column * PACKET_W, block.y + row * PACKET_H, block.z + i};
-            if (any >> packet & 1u) convert_column(job, to, at, at.z - to.size.z, count);
-        }
-    }
-}
-
-/* Makes a block of which all lies between voxels, along the axes. */
-INLINE void convert_along_axes(const halved_job *job, slab_target to, place block, int slices) {
-    const lattice *l = &job->l;
-    int4 start = start_of(job, block);
-    int first = block.z - to.size.z;
-    axes_block b = {job->halved,
-                    job->half_dims,
-                    {start.x, l->dx.x, l->bits},
-                    {start.y, l->dy.y, l->bits},
-                    {start.z, l->dz.z, l->bits},
-                    min(BLOCK, to.size.x - block.x),
-                    min(BLOCK, to.size.y - block.y),
-                    (ushort16)(0),
-                    (ushort16)(0)};
-    for (int i = 0; i < LANES; i++) {
-        ((ushort *)&b.index)[i] = (ushort)(voxel_before(b.x, i) - voxel_before(b.x, 0));
-        ((ushort *)&b.fraction)[i] = (ushort)part_behind(b.x, i);
-    }
-    plane16 planes[2];
-    uint edges[BLOCK];
-    planes[0].z = planes[1].z = -1;
-    for (int i = 0; i < slices; i++)
-        edges[i] = convert_axes(&b, i, planes, row_of(to, block, first + i), to.layout.w);
-    convert_edges(job, to, block, slices, edges);
-}
-#endif
 
 /*
  * Arguments as convert_nearest, with the halved volume before them and the slab's slices after size;
@@ -310,12 +256,6 @@ WIDE __kernel void convert_halved(__global const uchar *halved, int4 half_dims, 
         for (int slice = first; slice < end; slice++) clear_slice(to, block, slice);
         return;
     }
-#if LANES == 16
-    if (is_along_axes(&job) && is_inside(&job, r)) {
-        convert_along_axes(&job, to, block, end - first);
-        return;
-    }
-#endif
     for (int slice = first; slice < end; slice += RUN) {
         place at = {block.x, block.y, size.z + slice};
         for (at.y = block.y; at.y < y_end; at.y += PACKET_H)
