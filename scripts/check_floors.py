@@ -32,6 +32,7 @@ src/device | abi shared kernels . | libc opencl
 src/method | abi shared kernels src src/ref src/device . | libc opencl
 src/frame | abi shared kernels src src/ref src/device src/method . | libc opencl
 src/abi | abi shared src src/device src/method src/frame . | libc opencl
+host_sim/base/system_windows.c | . | libc windows
 host_sim/base | . | libc json
 host_sim/guard | host_sim/base . | libc
 host_sim/volume | host_sim/base . | libc zlib
@@ -41,6 +42,7 @@ host_sim/scene | host_sim/base host_sim/volume . | libc json
 host_sim/render | host_sim/base host_sim/volume kernels . | libc opencl
 host_sim/render/cl | . |
 host_sim/guarded | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
+host_sim/unguarded | abi host_sim/base host_sim/plugin host_sim/guarded . | libc
 host_sim/loop | abi MACHINE . | libc opencl
 host_sim/seen | abi MACHINE host_sim/loop . | libc opencl
 host_sim/result | abi MACHINE host_sim/loop . | libc opencl
@@ -52,8 +54,8 @@ lab/report | abi HOST tools/machine/show tools/machine/commands lab/page lab/eva
 tools/machine/console | abi HOST tools/machine/show tools/machine/commands kernels . | libc opencl json web
 lab/bench | abi HOST . | libc opencl futex
 lab/judge | abi HOST shared src src/ref tools/sdk/stage lab/eval . | libc opencl json
-tools/sdk/layer | abi tools/sdk/rules tools/sdk/record . | libc opencl
-tools/sdk/record | abi tools/sdk/rules . | libc opencl zlib
+tools/sdk/layer | abi host_sim/base tools/sdk/rules tools/sdk/record . | libc opencl
+tools/sdk/record | abi host_sim/base tools/sdk/rules . | libc opencl zlib
 tools/sdk/replay | abi HOST tools/machine/show tools/sdk/rules tools/sdk/record . | libc opencl
 tools/sdk/validate/spy | . | libc opencl elf
 tools/sdk/rules | abi . | libc
@@ -78,7 +80,7 @@ GROUPS = {
             "string.h strings.h threads.h time.h unistd.h wchar.h sys/*",
     "opencl": "CL/*",
     "elf": "elf.h link.h",
-    "windows": "windows.h",
+    "windows": "io.h sddl.h shellapi.h windows.h",
     "futex": "linux/futex.h",
     "zlib": "zlib.h",
     "json": "jansson.h",
@@ -131,7 +133,7 @@ def includes(root):
     sources = [path.relative_to(root) for path in root.rglob("*") if path.suffix in {".c", ".h", ".cl", ".clh"} and path.is_file()]
     sources = sorted(path for path in sources if not re.match(r"build|out$|\.", path.parts[0]))
     for source in sources:
-        floor = next((line for line in table if any(fits(str(source if pattern.endswith(".h") else source.parent), pattern)
+        floor = next((line for line in table if any(fits(str(source if "." in pattern else source.parent), pattern)
                                                      for pattern in line[0])), None)
         if floor is None:
             yield f"{source}:1: a source in a folder without a rule"

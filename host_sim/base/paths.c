@@ -53,18 +53,3 @@ int hs_path_temporary(const char *stem, const char *ending, char *out, size_t by
     if (file < 0) (void)hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be made: %s", out, strerror(errno));
     return file;
 }
-
-bool hs_path_beside_program(const char *name, char *out, size_t bytes) {
-    char self[PATH_MAX];
-    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-    out[0] = '\0';
-    if (length <= 0) return false;
-    self[length] = '\0';
-    char *slash = strrchr(self, '/');
-    if (!slash) return false;
-    *slash = '\0';
-    const int written = snprintf(out, bytes, "%s/%s", self, name);
-    if (written >= 0 && (size_t)written < bytes) return true;
-    out[0] = '\0';
-    return false;
-}

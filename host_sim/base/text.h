@@ -6,7 +6,6 @@
 #ifndef HS_TEXT_H
 #define HS_TEXT_H
 
-#include <jansson.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -18,9 +17,5 @@ char *hs_text_escape(char *out, size_t bytes, const char *text, int keep_newline
 /* fprintf for lines with text from outside: formats, then escapes all but newlines. For colours of the host's
  * own use fprintf. A line longer than memory allows is left out. */
 void hs_print(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-/* A JSON string. The bytes may be any, JSON holds UTF-8 only: if they are not, every byte from 0x80 on
- * becomes '?'. NULL gives "". The caller owns the result; NULL: no memory. Any thread. */
-json_t *hs_json_text(const char *bytes);
 
 #endif

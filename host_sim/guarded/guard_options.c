@@ -3,11 +3,11 @@
 
 #include "base/cli.h"
 #include "base/paths.h"
+#include "base/system.h"
 
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static char program[PATH_MAX + 16];
 
@@ -29,13 +29,6 @@ void hs_guard_defaults(hs_guard_options *options) {
                                   .restarts = 3};
 }
 
-/* True if both are there and are one file. */
-static bool same_file(const char *a, const char *b) {
-    struct stat one, other;
-    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
-           one.st_ino == other.st_ino;
-}
-
 bool hs_guard_wanted(const hs_guard_options *options, const char *path) {
     /* Where the build and an installation put it. Other folders, those of the environment too, are not the
      * host's. */
@@ -43,7 +36,8 @@ bool hs_guard_wanted(const hs_guard_options *options, const char *path) {
     char beside[PATH_MAX];
     if (options->choice != HS_GUARD_AUTO) return options->choice == HS_GUARD_ON;
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
-        if (hs_path_beside_program(own[i], beside, sizeof beside) && same_file(path, beside)) return false;
+        if (hs_path_beside_program(own[i], beside, sizeof beside) && sys_same_file(path, beside))
+            return false;
     return true;
 }
 

@@ -2,33 +2,25 @@
 #include "plugin/loader.h"
 
 #include "base/paths.h"
+#include "base/system.h"
 #include "base/text.h"
 #include "smartvis/lookup.h"
+#include "smartvis/open.h"
 
-#include <dlfcn.h>
 #include <errno.h>
 #include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-#define DEFAULT_PLUGIN "smartvis.so"
-
-/* A file that is there, whatever it holds: what it holds is told when it is loaded. */
-static bool is_file(const char *path) {
-    struct stat info;
-    return stat(path, &info) == 0 && S_ISREG(info.st_mode);
-}
 
 /* The index-th part of a list that is not empty, or NULL and how many there are. */
 static const char *list_part(const char *list, unsigned index, size_t *length, unsigned *count) {
     *count = 0;
     for (const char *at = list; at && *at != '\0';) {
-        *length = strcspn(at, ":");
+        *length = strcspn(at, sys_list_separator);
         if (*length > 0 && (*count)++ == index) return at;
-        at += *length + (at[*length] == ':');
+        at += *length + (at[*length] != '\0');
     }
     return NULL;
 }
@@ -37,7 +29,7 @@ static const char *list_part(const char *list, unsigned index, size_t *length, u
 static bool own_folder(char *out, size_t bytes) {
     char beside[PATH_MAX];
     if (!hs_path_beside_program("../lib/smartvis", beside, sizeof beside)) return false;
-    char *resolved = realpath(beside, NULL);
+    char *resolved = sys_full_path(beside);
     const int length = resolved ? snprintf(out, bytes, "%s", resolved) : -1;
     free(resolved);
     return length >= 0 && (size_t)length < bytes;
@@ -76,22 +68,25 @@ static bool find_in_folders(const char *name, const char *ending, char *out, siz
     char folder[PATH_MAX];
     for (unsigned i = 0; hs_plugin_folder(i, folder, sizeof folder); i++) {
         const int length = snprintf(out, bytes, "%s/%s%s", folder, name, ending);
-        if (folder[0] != '\0' && length >= 0 && (size_t)length < bytes && is_file(out)) return true;
+        if (folder[0] != '\0' && length >= 0 && (size_t)length < bytes && sys_is_file(out)) return true;
     }
     return false;
 }
 
 void hs_plugin_find(const char *name, char *out, size_t bytes) {
-    const bool as_it_is = name[0] == '\0' || strchr(name, '/') || is_file(name);
-    if (!as_it_is && (find_in_folders(name, "", out, bytes) || find_in_folders(name, ".so", out, bytes)))
+    const bool as_it_is = name[0] == '\0' || strchr(name, '/') || sys_is_file(name);
+    if (!as_it_is &&
+        (find_in_folders(name, "", out, bytes) || find_in_folders(name, sys_library_ending, out, bytes)))
         return;
     (void)snprintf(out, bytes, "%s", name);
 }
 
 void hs_plugin_default_path(char *out, size_t bytes) {
-    if (hs_path_beside_program(DEFAULT_PLUGIN, out, bytes) && is_file(out)) return;
-    if (find_in_folders(DEFAULT_PLUGIN, "", out, bytes)) return;
-    if (!hs_path_beside_program(DEFAULT_PLUGIN, out, bytes)) (void)snprintf(out, bytes, "./" DEFAULT_PLUGIN);
+    char name[32];
+    (void)snprintf(name, sizeof name, "smartvis%s", sys_library_ending);
+    if (hs_path_beside_program(name, out, bytes) && sys_is_file(out)) return;
+    if (find_in_folders(name, "", out, bytes)) return;
+    if (!hs_path_beside_program(name, out, bytes)) (void)snprintf(out, bytes, "./%s", name);
 }
 
 /* Loading a plugin: library, entry symbol, ABI, instance. Nothing found in the library is trusted
@@ -149,25 +144,18 @@ static const sv_entry *open_library(hs_plugin *plugin, const char *name, const h
                                     hs_error *err) {
     hs_plugin_find(name, plugin->path, sizeof plugin->path);
     const char *path = plugin->path;
-    struct stat info;
-    const sv_entry *entry = NULL;
-    if (stat(path, &info) != 0)
-        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: cannot read the plugin file: %s", path, strerror(errno));
-    else if (!S_ISREG(info.st_mode))
-        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: not a file", path);
-    if (err->code != HS_OK) return NULL;
-    char *resolved = realpath(path, NULL);
-    if (!resolved) {
-        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: cannot resolve the path: %s", path, strerror(errno));
+    char why[400];
+    char *resolved = sys_full_path(path);
+    if (!resolved || !sys_is_file(resolved)) {
+        const char *trouble = resolved ? "not a file" : strerror(errno);
+        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: cannot read the plugin file: %s", path, trouble);
+        free(resolved);
         return NULL;
     }
     watch->enter(watch->context, "dlopen");
-    plugin->library = dlopen(resolved, RTLD_NOW | RTLD_LOCAL);
+    const sv_entry *entry = sv_open(resolved, &plugin->library, why, sizeof why);
     free(resolved);
-    if (!plugin->library)
-        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: not a loadable library: %s", path, dlerror());
-    else if (!(entry = dlsym(plugin->library, SV_ENTRY_SYMBOL)))
-        (void)hs_fail(err, HS_ERR_PLUGIN, "%s: no symbol " SV_ENTRY_SYMBOL ": not a SmartVis plugin", path);
+    if (!entry) (void)hs_fail(err, HS_ERR_PLUGIN, "%s: not a library of plugins: %s", path, why);
     return entry;
 }
 
@@ -297,7 +285,7 @@ bool hs_plugin_open(hs_plugin *plugin, const char *path, const char *id, int32_t
 
 void hs_plugin_close(hs_plugin *plugin) {
     if (plugin->instance) plugin->instance->destroy(plugin->instance);
-    if (plugin->library) dlclose(plugin->library);
+    if (plugin->library) sv_close(plugin->library);
     char complaint[sizeof plugin->complaint];
     memcpy(complaint, plugin->complaint, sizeof complaint);
     *plugin = (hs_plugin){0};

@@ -53,12 +53,13 @@ static inline const sv_entry *sv_open(const char *path, void **library, char *wh
         const FARPROC found = GetProcAddress((HMODULE)loaded, SV_ENTRY_SYMBOL);
         memcpy(&entry, &found, sizeof entry); /* an object's address, told as a function's */
     }
-    if (!entry) (void)snprintf(why, bytes, "%s: Windows' error %lu", path, (unsigned long)GetLastError());
+    if (!loaded) (void)snprintf(why, bytes, "%s: Windows' error %lu", path, (unsigned long)GetLastError());
 #else
     void *loaded = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (loaded) entry = (const sv_entry *)dlsym(loaded, SV_ENTRY_SYMBOL);
-    if (!entry) (void)snprintf(why, bytes, "%s", dlerror());
+    if (!loaded) (void)snprintf(why, bytes, "%s", dlerror());
 #endif
+    if (!entry && loaded) (void)snprintf(why, bytes, "%.200s: no symbol " SV_ENTRY_SYMBOL, path);
     if (!entry && loaded) sv_close(loaded);
     if (library) *library = entry ? loaded : NULL;
     return entry;

@@ -54,7 +54,8 @@ static void a_given_id_is_found_or_answered_with_those_there_are(void **state) {
 static void files_that_are_no_plugin_are_named(void **state) {
     expect_failure("/no/such/folder/x.so", NULL,
                    (const char *const[]){"/no/such/folder/x.so", "No such file", NULL});
-    expect_failure("/tmp", NULL, (const char *const[]){"/tmp: not a file", NULL});
+    expect_failure("/tmp", NULL,
+                   (const char *const[]){"/tmp: cannot read the plugin file: not a file", NULL});
     expect_failure("", NULL, (const char *const[]){"No such file", NULL});
     expect_failure(plugin_path("no_symbol.so"), NULL,
                    (const char *const[]){"no_symbol.so", SV_ENTRY_SYMBOL, NULL});
@@ -66,7 +67,7 @@ static void a_text_file_is_not_loadable(void **state) {
     assert_true(file >= 0);
     assert_int_equal(write(file, "not a library\n", 14), 14);
     close(file);
-    expect_failure(path, NULL, (const char *const[]){path, "not a loadable library", NULL});
+    expect_failure(path, NULL, (const char *const[]){path, "not a library of plugins", NULL});
     unlink(path);
 }
 

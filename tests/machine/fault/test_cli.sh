@@ -121,7 +121,7 @@ unclipped() {
 rm -rf out # a file that is not there ends the run before anything is drawn
 expect 4 "no_such.so: cannot read the plugin file: No such file" "${good[@]}" --plugin no_such.so
 holds [ ! -e out ]
-unclipped "good.mha: not a loadable library" "${good[@]}" --plugin good.mha
+unclipped "good.mha: not a library of plugins" "${good[@]}" --plugin good.mha
 unclipped "no symbol smartvis_plugin_entry" "${good[@]}" --plugin "$plugins/no_symbol.so"
 unclipped "ABI major 2, this host speaks 1" "${good[@]}" --plugin "$plugins/other_major.so"
 unclipped "entry.size is 16" "${good[@]}" --plugin "$plugins/short_entry.so"

@@ -136,7 +136,7 @@ static void what_cannot_be_used_is_told(void **state) {
         const char *plugin, *check, *text;
     } wrong[] = {{"no_such", "on", "no_such.so: cannot open"},
                  {"smartvis_check", "on", "is the layer itself"},
-                 {"wrong/no_symbol", "on", "has no symbol smartvis_plugin_entry"},
+                 {"wrong/no_symbol", "on", "no symbol smartvis_plugin_entry"},
                  {CPU, "maybe", "SMARTVIS_CHECK is 'maybe', expected off, on or stop"}};
     for (size_t n = 0; n < sizeof wrong / sizeof *wrong; n++) {
         (void)setenv("SMARTVIS_CHECK", wrong[n].check, 1);

@@ -2,6 +2,7 @@
 #include "commands/commands.h"
 
 #include "base/cli.h"
+#include "base/json_text.h"
 #include "base/output_file.h"
 #include "base/paths.h"
 #include "base/text.h"

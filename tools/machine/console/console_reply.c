@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "console/console.h"
 
+#include "base/json_text.h"
 #include "base/text.h"
 #include "plugin/loader_param.h"
 #include "scene/scene.h"

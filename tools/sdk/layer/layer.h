@@ -14,6 +14,7 @@
 #ifndef LAYER_H
 #define LAYER_H
 
+#include "base/system.h"
 #include "record/rec.h"
 #include "rules/call.h"
 #include "rules/rules.h"
@@ -24,7 +25,6 @@
 #include "smartvis/spline.h"
 #include "smartvis/timing.h"
 
-#include <limits.h>
 #include <stdatomic.h>
 
 typedef struct ly_watch ly_watch;
@@ -92,7 +92,7 @@ typedef struct {
 
 /* -------------------------------------------------------------------------------------- layer_say -- */
 
-extern char ly_folder[PATH_MAX]; /* the layer's own, with '/' */
+extern char ly_folder[SYS_PATH]; /* the layer's own, with '/' */
 
 /* Once, before the others are asked. */
 void ly_read_settings(void);

@@ -2,15 +2,15 @@
 /* The library: settings, the other library, and the life of an instance. */
 #include "layer/layer.h"
 
-#include <dlfcn.h>
+#include "smartvis/open.h"
+
 #include <pthread.h>
-#include <unistd.h>
 
 /* ---- the other library */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static void *library;
 static const sv_entry *inner; /* NULL: there is none, and `trouble` says why */
-static char trouble[PATH_MAX + 300];
+static char trouble[SYS_PATH + 300];
 static enum { OFF, ON, STOP } mode = ON;
 static double slow_ms = 1000.0;
 
@@ -49,21 +49,19 @@ static void read_mode(void) {
 static void load(void) {
     static char unusable[] = "check: %s: %s";
     const rule_sink to = {note_trouble, unusable};
-    char path[2 * PATH_MAX];
+    char path[2 * SYS_PATH], why[1000];
     ly_read_settings();
     if (!ly_path("SMARTVIS_CHECK_PLUGIN", path, sizeof path)) {
-        (void)snprintf(path, sizeof path, "%ssmartvis.so", ly_folder);
+        (void)snprintf(path, sizeof path, "%ssmartvis%s", ly_folder, sys_library_ending);
         /* An installation has the layer in a folder of its own, so that a host's list of plugins has none. */
-        if (access(path, F_OK) != 0) (void)snprintf(path, sizeof path, "%s../smartvis.so", ly_folder);
+        if (!sys_is_file(path))
+            (void)snprintf(path, sizeof path, "%s../smartvis%s", ly_folder, sys_library_ending);
     }
-    library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    inner = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
-    if (!library)
-        refuse("check: SMARTVIS_CHECK_PLUGIN: %.1000s", dlerror(), NULL);
-    else if (!inner)
-        refuse("check: SMARTVIS_CHECK_PLUGIN: %.1000s has no symbol " SV_ENTRY_SYMBOL, path, NULL);
+    inner = sv_open(path, &library, why, sizeof why);
+    if (!inner)
+        refuse("check: SMARTVIS_CHECK_PLUGIN: %.1000s", why, NULL);
     else if (inner == &smartvis_plugin_entry) {
-        (void)dlclose(library); /* it could not be unloaded while it holds itself */
+        sv_close(library); /* it could not be unloaded while it holds itself */
         library = NULL;
         refuse("check: SMARTVIS_CHECK_PLUGIN: %.1000s is the layer itself", path, NULL);
     } else
@@ -75,7 +73,7 @@ static void load(void) {
 }
 
 __attribute__((destructor)) static void unload(void) {
-    if (library) (void)dlclose(library);
+    sys_close_when_unloaded(library);
 }
 
 /* ---- the log */
@@ -199,7 +197,7 @@ static void judge_host(const rule_sink *to, const sv_host *h) {
 /* The recording that is asked for: of the first instance FILE, of the others FILE.2 and so on. */
 static rec *open_record(const sv_host *host) {
     static atomic_uint instances;
-    char path[2 * PATH_MAX], error[2 * PATH_MAX + 200];
+    char path[2 * SYS_PATH], error[2 * SYS_PATH + 200];
     if (!ly_path("SMARTVIS_RECORD", path, sizeof path - 16)) return NULL;
     const uint32_t number = atomic_fetch_add(&instances, 1) + 1;
     if (number > 1) (void)snprintf(path + strlen(path), 16, ".%u", number);

@@ -4,25 +4,21 @@
 
 #include "smartvis/lookup.h"
 
-#include <dlfcn.h>
+#include <unistd.h>
 
 /* ---- settings */
-char ly_folder[PATH_MAX];
+char ly_folder[SYS_PATH];
 static char settings[4096]; /* the file, a NUL for every end of a line, two at its end */
 
 void ly_read_settings(void) {
-    Dl_info own;
-    char path[PATH_MAX + 32];
-    if (!dladdr(ly_folder, &own) || !own.dli_fname) return;
-    const char *slash = strrchr(own.dli_fname, '/');
-    if (slash)
-        (void)snprintf(ly_folder, sizeof ly_folder, "%.*s", (int)(slash - own.dli_fname + 1), own.dli_fname);
+    char path[SYS_PATH + 32];
+    sys_own_folder(ly_folder, ly_folder, sizeof ly_folder);
     (void)snprintf(path, sizeof path, "%ssmartvis_check.conf", ly_folder);
-    FILE *file = fopen(path, "re");
-    if (!file) return;
-    const size_t bytes = fread(settings, 1, sizeof settings - 2, file);
-    (void)fclose(file);
-    for (size_t i = 0; i < bytes; i++)
+    const int file = sys_open(path, SYS_READ);
+    if (file < 0) return;
+    const ssize_t bytes = read(file, settings, sizeof settings - 2);
+    (void)close(file);
+    for (ssize_t i = 0; i < bytes; i++)
         if (settings[i] == '\n' || settings[i] == '\r') settings[i] = '\0';
 }
 
@@ -51,7 +47,7 @@ bool ly_path(const char *name, char *path, size_t bytes) {
     const bool said = getenv(name) != NULL;
     const char *value = ly_setting(name);
     if (!value) return false;
-    (void)snprintf(path, bytes, "%s%s", value[0] == '/' ? "" : said ? "./" : ly_folder, value);
+    (void)snprintf(path, bytes, "%s%s", sys_is_absolute(value) ? "" : said ? "./" : ly_folder, value);
     return true;
 }
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+#include "base/system.h"
 #include "record/rec_item.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <unistd.h>
 
 #define NO_FRAME UINT32_MAX /* of no slab that can be read */
 
@@ -45,17 +46,13 @@ rec_reader *rec_reader_open(const char *path, char *error, size_t bytes) {
     }
     r->next = NO_FRAME;
     (void)snprintf(r->path, sizeof r->path, "%s", path);
-    struct stat kind;
-    if (stat(path, &kind) == 0 && !S_ISREG(kind.st_mode)) { /* a pipe would be waited for */
-        (void)snprintf(error, bytes, "%s: not a regular file", path);
-        rec_reader_close(r);
-        return NULL;
-    }
-    r->file = fopen(path, "rb");
-    long size = -1;
-    if (r->file && fseek(r->file, 0, SEEK_END) == 0) size = ftell(r->file);
-    if (size < 0 || fseek(r->file, 0, SEEK_SET) != 0) {
-        (void)snprintf(error, bytes, "%s: cannot be read: %s", path, strerror(errno));
+    const int file = sys_open(path, SYS_READ);
+    const off_t size = file < 0 ? -1 : lseek(file, 0, SEEK_END);
+    r->file = size < 0 || lseek(file, 0, SEEK_SET) < 0 ? NULL : fdopen(file, "rb");
+    if (!r->file) {
+        const char *why = errno == EINVAL ? "not a regular file" : strerror(errno);
+        (void)snprintf(error, bytes, "%s: %s", path, why);
+        if (file >= 0) (void)close(file);
     } else {
         r->size = (uint64_t)size;
         if (!take(r, &header, sizeof header) || memcmp(header.magic, REC_MAGIC, sizeof header.magic) != 0)

@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "record/rec.h"
 
+#include "base/system.h"
 #include "record/rec_item.h"
 #include "smartvis/author_checks.h"
 
 #include <CL/cl.h>
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* Where a frame begins in the file, and the activation that it belongs to. */
@@ -22,7 +20,7 @@ typedef struct {
 
 struct rec {
     pthread_mutex_t lock;
-    char path[PATH_MAX], part[PATH_MAX + 8];
+    char path[SYS_PATH], part[SYS_PATH + 8];
     pid_t owner; /* a process that the host forks has the file, too, and leaves it alone */
     int file;
     char why[400];
@@ -50,10 +48,12 @@ static void stop(rec *r, const char *what) {
 }
 
 /* ---- the file */
+#define ONE_WRITE (UINT32_C(1) << 30) /* what every system takes at once */
+
 static bool write_all(int file, const void *data, size_t bytes) {
     const char *from = data;
     while (bytes > 0) {
-        const ssize_t n = write(file, from, bytes);
+        const ssize_t n = write(file, from, bytes < ONE_WRITE ? (uint32_t)bytes : ONE_WRITE);
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0) return false;
         from += n;
@@ -87,9 +87,10 @@ static void put_item(rec *r) {
 /* ---- the ring */
 static bool copy_part(int from, int to, uint64_t at, uint64_t end) {
     char block[1 << 16];
+    if (lseek(from, (off_t)at, SEEK_SET) < 0) return false;
     while (at < end) {
-        const size_t wanted = end - at < sizeof block ? (size_t)(end - at) : sizeof block;
-        const ssize_t n = pread(from, block, wanted, (off_t)at);
+        const uint32_t wanted = end - at < sizeof block ? (uint32_t)(end - at) : (uint32_t)sizeof block;
+        const ssize_t n = read(from, block, wanted);
         if (n <= 0 || !write_all(to, block, (size_t)n)) return false;
         at += (uint64_t)n;
     }
@@ -101,16 +102,20 @@ static void drop_frames(rec *r) {
     const uint32_t gone = r->frame_count - r->keep;
     const frame_place first = r->frames[gone];
     const uint64_t kept = first.activated - first.activation, shift = first.at - r->head - kept;
-    const int to = open(r->part, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    if (to < 0 || !copy_part(r->file, to, 0, r->head) ||
-        !copy_part(r->file, to, first.activation, first.activated) ||
-        !copy_part(r->file, to, first.at, r->end) || rename(r->part, r->path) != 0) {
+    /* A system may rename no file that is open, nor over one. */
+    const int to = sys_open(r->part, SYS_NEW);
+    bool ok = to >= 0 && copy_part(r->file, to, 0, r->head) &&
+              copy_part(r->file, to, first.activation, first.activated) &&
+              copy_part(r->file, to, first.at, r->end);
+    ok = (to < 0 || close(to) == 0) && ok;
+    if (ok && close(r->file) == 0) {
+        ok = sys_replace(r->part, r->path);
+        r->file = sys_open(r->path, SYS_MORE);
+    }
+    if (!ok || r->file < 0 || lseek(r->file, 0, SEEK_END) < 0) {
         stop(r, strerror(errno));
-        if (to >= 0) (void)close(to);
         return;
     }
-    (void)close(r->file);
-    r->file = to;
     r->end -= shift;
     frame_place last = {.activation = r->activation, .activated = r->activated};
     for (uint32_t i = 0; i <= r->keep; i++) {
@@ -366,17 +371,15 @@ static bool read_options(rec *r, const char *options, char *error, size_t bytes)
  * name. */
 static void keep_unfinished(const char *path) {
     const uint32_t end[3] = {REC_END, 0, rec_sum(REC_END, NULL, 0)};
-    char magic[8] = "", last[sizeof end] = "", before[PATH_MAX + 8];
-    struct stat found;
-    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    char magic[8] = "", last[sizeof end] = "", before[SYS_PATH + 8];
+    const int file = sys_open(path, SYS_READ);
     if (file < 0) return;
     const bool is_recording =
-        fstat(file, &found) == 0 && S_ISREG(found.st_mode) &&
-        pread(file, magic, sizeof magic, 0) == sizeof magic && memcmp(magic, REC_MAGIC, sizeof magic) == 0 &&
-        pread(file, last, sizeof last, found.st_size - (off_t)sizeof last) == sizeof last;
+        read(file, magic, sizeof magic) == sizeof magic && memcmp(magic, REC_MAGIC, sizeof magic) == 0 &&
+        lseek(file, -(off_t)sizeof last, SEEK_END) >= 0 && read(file, last, sizeof last) == sizeof last;
     (void)close(file);
     (void)snprintf(before, sizeof before, "%s.before", path);
-    if (is_recording && memcmp(last, end, sizeof end) != 0) (void)rename(path, before);
+    if (is_recording && memcmp(last, end, sizeof end) != 0) (void)sys_replace(path, before);
 }
 
 rec *rec_open(const char *path, const char *options, char *error, size_t bytes) {
@@ -396,7 +399,7 @@ rec *rec_open(const char *path, const char *options, char *error, size_t bytes) 
     if (ok && r->keep) ok = (r->frames = calloc(2 * (size_t)r->keep, sizeof *r->frames)) != NULL;
     if (ok) {
         keep_unfinished(path);
-        r->file = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+        r->file = sys_open(path, SYS_NEW);
         if (r->file >= 0) put(r, &header, sizeof header);
         ok = r->file >= 0 && !r->why[0];
         if (!ok) (void)snprintf(error, bytes, "recording: %s: %s", path, strerror(errno));

@@ -2,6 +2,7 @@
 /* sv_replay: plays a recording into a plugin, and says whether it does the same (docs/recording.md). */
 #include "base/cli.h"
 #include "base/options.h"
+#include "base/system.h"
 #include "base/text.h"
 #include "guarded/in_child.h"
 #include "replay/replay.h"
@@ -104,6 +105,7 @@ int main(int argc, char **argv) {
     char path[1024];
     hs_error err = {0};
     bool help = false;
+    argv = sys_arguments(&argc, argv);
     int next = argc, code = HS_OK;
     hs_plugin_default_path(path, sizeof path);
     rp_options o = {.plugin = path, .frame = RP_LAST};
