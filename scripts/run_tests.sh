@@ -25,7 +25,9 @@ code=$?
 count() { sed -n "s/.*[[:space:]]$1=\"\([0-9]*\)\".*/\1/p" "$result" 2> /dev/null | head -n 1; }
 total=$(count tests) failed=$(count failures) idle=$(($(count skipped) + $(count disabled)))
 if [ -n "$total" ]; then
-    echo "tests ($1): $((total - failed - idle)) passed, $failed failed, $idle did not run, of $total"
+    times > "$log.times" # in no shell of its own: those of its children
+    used=$(awk -F '[ms ]+' 'NR == 2 { print int(60 * ($1 + $3) + $2 + $4) }' "$log.times")
+    echo "tests ($1): $((total - failed - idle)) passed, $failed failed, $idle did not run, of $total; $used s of processor time"
 fi
 # What a skipped test said of it, and the tests that said so.
 skipped=$(awk -F'"' '/<testcase / { name = $2; off = /status="notrun"/ }
