@@ -52,7 +52,7 @@ lab/page | host_sim/base host_sim/picture . | libc
 lab/eval | abi MACHINE host_sim/loop . | libc opencl zlib
 lab/report | abi HOST tools/machine/show tools/machine/commands lab/page lab/eval . | libc opencl json zlib
 tools/machine/console | abi HOST tools/machine/show tools/machine/commands kernels . | libc opencl json web
-lab/bench | abi HOST . | libc opencl futex
+lab/bench | abi HOST tools/sdk/stage . | libc opencl futex
 lab/judge | abi HOST shared src src/ref tools/sdk/stage lab/eval . | libc opencl json
 tools/sdk/layer | abi host_sim/base tools/sdk/rules tools/sdk/record . | libc opencl
 tools/sdk/record | abi host_sim/base tools/sdk/rules . | libc opencl zlib

@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "guarded/guard_options.h"
 #include "loop/loop_run.h"
-#include "loop/slabs.h"
 #include "plugin/loader.h"
 #include "render/host_cl.h"
 
@@ -70,32 +69,20 @@ bool bench_two_run(void (*job)(void *context, unsigned thread), void *context, d
  * -march=native, without intrinsics. For the benchmark only; it shares no code with the plugin.
  */
 
+/* A volume as slices in tiles: voxel (x, y, z) is slice[z][y * pitch + x]. Not owned. After every row 63
+ * bytes more may be read; they do not matter. */
 typedef struct {
     uint32_t width, height, slices;
-    const uint8_t *const *slice;
+    const uint8_t **slice;
     size_t pitch; /* bytes */
 } plain_volume;
 
-/* ----------------------------------------------------------------------------------------------- slabs -- */
-/* The benchmark's volume, cut into slabs as a host would deliver them. */
-
-/* Intensities of the volume, grey levels: fluid 1 .. 40, tissue 60 .. 150, bone 220 .. 255. */
+/* Intensities of the benchmark's volume, grey levels: fluid 1 .. 40, tissue 60 .. 150, bone 220 .. 255. */
 enum { BENCH_FLUID_LEVEL = 40 };
 
-typedef struct {
-    hs_slab_layout layout;
-    uint32_t count;      /* slabs */
-    size_t stride;       /* bytes from one slab's texture to the next */
-    size_t bytes;        /* of all */
-    uint8_t *memory;     /* owned */
-    uint8_t **slice;     /* owned: where each slice begins */
-    plain_volume volume; /* the same voxels */
-} bench_slabs;
-
-/* n voxels an axis in slabs of slab_slices, tiles as square as the host's scan loop lays them. The same
- * voxels at every call: a wall, fluid, then tissue with bones that 3 % of the rays meet; a few rays meet bone
- * in the wall, before any fluid. All layers have noise. HS_ERR_MEMORY. */
-bool bench_slabs_create(bench_slabs *slabs, uint32_t n, uint32_t slab_slices, hs_error *err);
-void bench_slabs_destroy(bench_slabs *slabs);
+/* n voxels an axis, x fastest, then y. The same voxels at every call: a wall, fluid, then tissue with bones
+ * that 3 % of the rays meet; a few rays meet bone in the wall, before any fluid. All layers have noise. The
+ * caller frees them; NULL with HS_ERR_MEMORY. */
+uint8_t *bench_volume_make(uint32_t n, hs_error *err);
 
 #endif

@@ -3,6 +3,7 @@
 #include "bench/bench_results.h"
 #include "bench/plain.h"
 #include "plugin/loader_param.h"
+#include "stage/stage.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,19 +19,19 @@ static const double bone_offset = 0.24;
 /* One variant under way. Zeroed: nothing to free. */
 typedef struct {
     const bench_plugin_setup *setup;
-    const bench_slabs *slabs;
     const bench_variant *variant;
     const sv_plugin *instance;
     bool active, host_queue;
-    cl_mem buffer, depth_buffer;
+    stage stage;
+    plain_volume volume; /* the stage's slabs */
     float *depth, *plain_depth;
-    uint8_t *status, *plain_status;
-    sv_param_value fixed, values[OWN_VALUES]; /* for activate; for begin */
-    uint32_t fixed_count, value_count;
+    uint8_t *plain_status;
+    sv_param_value values[OWN_VALUES];
+    uint32_t value_count;
+    bool method_set;
     uint32_t q_id; /* 0: the plugin has no such knob, and adjust is not timed */
     plain_frame *plain;
     bench_samples samples[BENCH_PARTS];
-    sv_stats stats;
     sv_points_report points;
 } bench;
 
@@ -92,91 +93,81 @@ static bool make_values(bench *b, hs_error *err) {
     const bool named =
         s->method ? strcmp(method, BENCH_OWN) != 0 : bench_plugin_has_method(s->plugin, method);
     if (!named) return true;
-    if (!method_value(s->plugin, method, &b->fixed, err)) return false;
-    b->values[b->value_count++] = b->fixed;
-    b->fixed_count = 1;
-    return true;
+    b->method_set = true;
+    return method_value(s->plugin, method, &b->values[b->value_count++], err);
+}
+
+/* What the stage cannot have ends the program: there is nothing to time without it. */
+static void cannot_have(void *data, const char *what, cl_int code) {
+    (void)data;
+    (void)fprintf(stderr, "sv_bench: no memory for %s (%d)\n", what, (int)code);
+    exit(HS_ERR_MEMORY);
+}
+
+/* Tiles as square as the host's scan loop lays them. The method, the last of the values, is one of activate,
+ * too. */
+static void make_stage(bench *b, const uint8_t *voxels) {
+    const uint32_t n = b->variant->n, length = b->variant->slab_slices;
+    const hs_cl *cl = b->setup->cl;
+    const bench_route route = b->variant->route;
+    const stage_device device = {cl->device, cl->context, cl->queue};
+    stage_way way = {.width = n,
+                     .height = n,
+                     .slices = n,
+                     .longest = length,
+                     .tiles_x = (uint32_t)ceil(sqrt(length)),
+                     .carrier = route == BENCH_BUFFER_HOST ? SV_CARRIER_BUFFER : SV_CARRIER_HOST,
+                     .own_queue = !b->host_queue,
+                     .registered = routes[route].in_place,
+                     .padding = SV_NO_PADDING,
+                     .depth_object = b->host_queue,
+                     .fixed_count = b->method_set ? 1 : 0};
+    if (b->method_set) way.fixed[0] = b->values[b->value_count - 1];
+    stage_make(&b->stage, &way, &device, cannot_have, NULL);
+    stage_fill(&b->stage, voxels, NULL);
+    stage_poison(&b->stage, 0);
+    b->stage.frame_flags = 0;
 }
 
 static bool make_memory(bench *b, hs_error *err) {
-    const size_t rays = (size_t)b->variant->n * b->variant->n;
+    const uint32_t n = b->variant->n;
+    const size_t rays = (size_t)n * n;
+    const sv_format *f = &b->stage.format;
     const plain_settings settings = {.fluid_level = BENCH_FLUID_LEVEL,
                                      .bone_drop = (uint8_t)ceil(bone_offset * 255.0),
                                      .k = b->variant->k,
                                      .q = (float)default_q};
+    b->volume = (plain_volume){n, n, n, calloc(n, sizeof *b->volume.slice), f->row_pitch};
     b->depth = calloc(rays, sizeof *b->depth);
     b->plain_depth = calloc(rays, sizeof *b->plain_depth);
-    b->status = calloc(rays, 1);
     b->plain_status = calloc(rays, 1);
-    if (!b->depth || !b->plain_depth || !b->status || !b->plain_status)
+    if (!b->volume.slice || !b->depth || !b->plain_depth || !b->plain_status)
         return hs_fail(err, HS_ERR_MEMORY, "benchmark: no memory for %zu rays", rays);
+    for (uint32_t z = 0; z < n; z++) {
+        const uint32_t at = z % b->variant->slab_slices;
+        b->volume.slice[z] = b->stage.memory[z / b->variant->slab_slices] +
+                             (size_t)(at / f->tiles_x) * f->tile_h * f->row_pitch +
+                             at % f->tiles_x * f->tile_w;
+    }
     for (int p = 0; p < BENCH_PARTS; p++)
         if (!bench_samples_create(&b->samples[p], b->setup->frames, err)) return false;
-    b->plain = plain_frame_create(b->variant->n, b->variant->n, b->variant->n, &settings, err);
-    if (!b->plain || !b->host_queue) return b->plain;
-    cl_int code = CL_SUCCESS;
-    b->depth_buffer =
-        clCreateBuffer(b->setup->cl->context, CL_MEM_READ_WRITE, rays * sizeof(float), NULL, &code);
-    if (code == CL_SUCCESS && b->variant->route == BENCH_BUFFER_HOST)
-        b->buffer = clCreateBuffer(b->setup->cl->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
-                                   b->slabs->bytes, b->slabs->memory, &code);
-    return hs_cl_check(code, "clCreateBuffer (benchmark)", err);
+    b->plain = plain_frame_create(n, n, n, &settings, err);
+    return b->plain;
 }
 
 static bool activate(bench *b, hs_error *err) {
-    const hs_slab_layout *l = &b->slabs->layout;
-    sv_format format = {.size = sizeof format,
-                        .width = l->width,
-                        .height = l->height,
-                        .slices = l->slices,
-                        .max_slab_slices = l->slab_slices,
-                        .voxel_type = SV_VOXEL_U8,
-                        .carrier = b->buffer ? SV_CARRIER_BUFFER : SV_CARRIER_HOST,
-                        .padding_value = SV_NO_PADDING,
-                        .tiles_x = l->tiles_x,
-                        .tile_w = l->tile_w,
-                        .tile_h = l->tile_h,
-                        .row_pitch = l->row_pitch,
-                        .values = b->fixed_count ? &b->fixed : NULL,
-                        .value_count = b->fixed_count};
-    if (b->host_queue) {
-        format.context = b->setup->cl->context;
-        format.device = b->setup->cl->device;
-        format.queue = b->setup->cl->queue;
-    }
-    if (routes[b->variant->route].in_place) {
-        format.host_memory = b->slabs->memory;
-        format.host_memory_bytes = b->slabs->bytes;
-    }
-    b->active =
-        hs_plugin_check(b->setup->plugin, b->instance->activate(b->instance, &format), "activate", err);
+    b->active = hs_plugin_check(b->setup->plugin, b->instance->activate(b->instance, &b->stage.format),
+                                "activate", err);
     return b->active;
 }
 
 static sv_status give_slabs(const bench *b) {
     sv_status status = SV_OK;
-    for (uint32_t i = 0; i < b->slabs->count && status == SV_OK; i++) {
-        const uint32_t slices = hs_slab_length(&b->slabs->layout, i);
-        const size_t offset = i * b->slabs->stride;
-        const sv_slab slab = {.size = sizeof slab,
-                              .first_slice = i * b->slabs->layout.slab_slices,
-                              .slice_count = slices,
-                              .memory = b->buffer ? NULL : b->slabs->memory + offset,
-                              .object = b->buffer,
-                              .offset = b->buffer ? offset : 0,
-                              .bytes = hs_slab_bytes(&b->slabs->layout, slices)};
+    for (uint32_t i = 0; i < b->stage.slab_count && status == SV_OK; i++) {
+        const sv_slab slab = stage_slab(&b->stage, i);
         status = b->instance->slab(b->instance, &slab);
     }
     return status;
-}
-
-/* The result of a frame: the depthmap where the host wants it, and the statistics, as in the scan loop. */
-static sv_result make_result(bench *b) {
-    b->stats = (sv_stats){.size = sizeof b->stats};
-    return (sv_result){.size = sizeof(sv_result),
-                       .depth = b->host_queue ? NULL : b->depth,
-                       .depth_object = b->depth_buffer,
-                       .stats = &b->stats};
 }
 
 /* With the host's queue a result is there when the queue has run. */
@@ -185,11 +176,11 @@ static bool finish(const bench *b, hs_error *err) {
 }
 
 /* One frame; `status_map` too if asked. Leaves milliseconds in ms, which may be NULL. */
-static bool plugin_frame(bench *b, uint8_t *status_map, double ms[BENCH_PARTS], hs_error *err) {
+static bool plugin_frame(bench *b, bool status_map, double ms[BENCH_PARTS], hs_error *err) {
     const hs_plugin *p = b->setup->plugin;
-    const sv_frame frame = {.size = sizeof frame, .values = b->values, .value_count = b->value_count};
-    sv_result result = make_result(b);
-    result.status = status_map;
+    const sv_frame frame = stage_frame(&b->stage, b->values, b->value_count);
+    sv_result result = stage_result(&b->stage);
+    if (!status_map) result.status = NULL;
     const double start = hs_now();
     if (!hs_plugin_check(p, b->instance->begin(b->instance, &frame), "begin", err)) return false;
     const double begun = hs_now();
@@ -210,7 +201,8 @@ static bool plugin_frame(bench *b, uint8_t *status_map, double ms[BENCH_PARTS], 
 
 static bool plugin_adjust(bench *b, double *ms, hs_error *err) {
     const sv_param_value q = {.id = b->q_id, .value = other_q};
-    const sv_result result = make_result(b);
+    sv_result result = stage_result(&b->stage);
+    result.status = NULL;
     const double start = hs_now();
     if (!hs_plugin_check(b->setup->plugin, b->instance->adjust(b->instance, &q, 1, &result), "adjust", err) ||
         !finish(b, err))
@@ -223,7 +215,7 @@ static bool plugin_adjust(bench *b, double *ms, hs_error *err) {
  * queue the next begin waits. */
 static bool plugin_dropped(bench *b, double *ms, hs_error *err) {
     const hs_plugin *p = b->setup->plugin;
-    const sv_frame frame = {.size = sizeof frame, .values = b->values, .value_count = b->value_count};
+    const sv_frame frame = stage_frame(&b->stage, b->values, b->value_count);
     const double start = hs_now();
     if (!hs_plugin_check(p, b->instance->begin(b->instance, &frame), "begin", err) ||
         !hs_plugin_check(p, give_slabs(b), "slab", err) || !finish(b, err) ||
@@ -234,29 +226,32 @@ static bool plugin_dropped(bench *b, double *ms, hs_error *err) {
 }
 
 static bool time_plain(bench *b, double *ms, hs_error *err) {
-    return plain_frame_run(b->plain, &b->slabs->volume, b->plain_depth, b->plain_status, ms, err);
+    return plain_frame_run(b->plain, &b->volume, b->plain_depth, b->plain_status, ms, err);
 }
 
 /* Plain C and the plugin must come to the same map. */
 static bool verify(bench *b, double *difference, hs_error *err) {
     const size_t rays = (size_t)b->variant->n * b->variant->n;
-    if (!plugin_frame(b, b->status, NULL, err)) return false;
+    if (!plugin_frame(b, true, NULL, err)) return false;
     if (b->setup->method) return true; /* plain C is the mean filter */
     double unused;
     if (!time_plain(b, &unused, err)) return false;
-    if (b->host_queue) {
-        const cl_int code = clEnqueueReadBuffer(b->setup->cl->queue, b->depth_buffer, CL_TRUE, 0,
-                                                rays * sizeof(float), b->depth, 0, NULL, NULL);
-        if (!hs_cl_check(code, "clEnqueueReadBuffer (benchmark)", err)) return false;
-    }
+    const sv_result result = stage_result(&b->stage);
+    if (result.depth) memcpy(b->depth, result.depth, rays * sizeof *b->depth);
+    if (result.depth_object &&
+        !hs_cl_check(clEnqueueReadBuffer(b->setup->cl->queue, result.depth_object, CL_TRUE,
+                                         result.depth_offset, rays * sizeof *b->depth, b->depth, 0, NULL,
+                                         NULL),
+                     "clEnqueueReadBuffer (benchmark)", err))
+        return false;
     *difference = 0.0;
     for (size_t i = 0; i < rays; i++) {
         const double off = fabs((double)b->depth[i] - b->plain_depth[i]);
-        if (b->status[i] != b->plain_status[i] || !(off <= tolerance))
+        if (result.status[i] != b->plain_status[i] || !(off <= tolerance))
             return hs_fail(err, HS_ERR_FAILED,
                            "%u^3, %s: ray (%zu, %zu): the plugin gives depth %g, status %u; plain C %g, %u",
                            b->variant->n, routes[b->variant->route].label, i % b->variant->n,
-                           i / b->variant->n, b->depth[i], b->status[i], b->plain_depth[i],
+                           i / b->variant->n, b->depth[i], result.status[i], b->plain_depth[i],
                            b->plain_status[i]);
         if (off > *difference) *difference = off;
     }
@@ -269,7 +264,7 @@ static bool time_frames(bench *b, hs_progress *progress, hs_error *err) {
         double ms[BENCH_PARTS] = {0};
         if (!b->setup->method && !time_plain(b, &ms[BENCH_PLAIN], err)) return false;
         if (!plugin_dropped(b, &ms[BENCH_DROPPED], err)) return false;
-        if (!plugin_frame(b, NULL, ms, err)) return false;
+        if (!plugin_frame(b, false, ms, err)) return false;
         if (b->q_id && !plugin_adjust(b, &ms[BENCH_ADJUST], err)) return false;
         for (int p = 0; i >= WARM_UP && p < BENCH_PARTS; p++) bench_samples_add(&b->samples[p], ms[p]);
         if (i >= WARM_UP) hs_progress_step(progress, i + 1 - WARM_UP);
@@ -287,7 +282,7 @@ static bool time_stages(bench *b, bench_plugin_result *result, hs_error *err) {
     result->has_stages = ok;
     for (uint32_t i = 0; ok && i < STAGE_FRAMES; i++) {
         sv_stage_times t = {.size = sizeof t};
-        ok = plugin_frame(b, NULL, NULL, err);
+        ok = plugin_frame(b, false, NULL, err);
         if (!ok || ext->stage_times(b->instance, &t) != SV_OK) {
             result->has_stages = false;
             break;
@@ -309,29 +304,29 @@ static bool time_stages(bench *b, bench_plugin_result *result, hs_error *err) {
 static void release(bench *b) {
     if (b->active) b->instance->deactivate(b->instance);
     plain_frame_destroy(b->plain);
-    if (b->buffer) (void)clReleaseMemObject(b->buffer);
-    if (b->depth_buffer) (void)clReleaseMemObject(b->depth_buffer);
     for (int p = 0; p < BENCH_PARTS; p++) bench_samples_destroy(&b->samples[p]);
+    stage_free(&b->stage);
+    free(b->volume.slice);
     free(b->depth);
     free(b->plain_depth);
-    free(b->status);
     free(b->plain_status);
 }
 
-bool bench_plugin_run(const bench_plugin_setup *setup, const bench_slabs *slabs, const bench_variant *variant,
+bool bench_plugin_run(const bench_plugin_setup *setup, const uint8_t *voxels, const bench_variant *variant,
                       hs_progress *progress, bench_plugin_result *result, hs_error *err) {
-    bench b = {.setup = setup,
-               .slabs = slabs,
-               .variant = variant,
-               .instance = setup->plugin->instance,
-               .host_queue = routes[variant->route].host_queue};
+    static bench b; /* too large for the stack */
+    b = (bench){.setup = setup,
+                .variant = variant,
+                .instance = setup->plugin->instance,
+                .host_queue = routes[variant->route].host_queue};
     *result = (bench_plugin_result){
         .variant = *variant, .method = setup->method ? setup->method : PLAIN_METHOD, .frames = setup->frames};
-    const bool ok = make_values(&b, err) && make_memory(&b, err) && activate(&b, err) &&
-                    verify(&b, &result->difference, err) && time_frames(&b, progress, err) &&
-                    time_stages(&b, result, err);
+    if (!make_values(&b, err)) return false;
+    make_stage(&b, voxels);
+    const bool ok = make_memory(&b, err) && activate(&b, err) && verify(&b, &result->difference, err) &&
+                    time_frames(&b, progress, err) && time_stages(&b, result, err);
     for (int p = 0; ok && p < BENCH_PARTS; p++) result->times[p] = bench_samples_times(&b.samples[p]);
-    result->stats = b.stats;
+    result->stats = *stage_result(&b.stage).stats;
     result->points = b.points;
     release(&b);
     return ok;

@@ -78,8 +78,9 @@ hs_handover bench_route_handover(bench_route route);
 bool bench_plugin_has_method(const hs_plugin *plugin, const char *method);
 
 /* HS_ERR_FAILED if the plugin's map is not plain C's: another status somewhere, or a depth more than 1e-3
- * slices off; then nothing is timed. HS_ERR_PLUGIN, HS_ERR_DEVICE, HS_ERR_MEMORY. */
-bool bench_plugin_run(const bench_plugin_setup *setup, const bench_slabs *slabs, const bench_variant *variant,
+ * slices off; then nothing is timed. HS_ERR_PLUGIN, HS_ERR_DEVICE, HS_ERR_MEMORY.
+ * `voxels`: bench_volume_make. */
+bool bench_plugin_run(const bench_plugin_setup *setup, const uint8_t *voxels, const bench_variant *variant,
                       hs_progress *progress, bench_plugin_result *result, hs_error *err);
 
 /* --------------------------------------------------------------------------------------------- results -- */

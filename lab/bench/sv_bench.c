@@ -166,28 +166,27 @@ typedef struct {
 static bool run_routes(bench_run *run, int size, uint32_t slab_slices, const char *method, hs_error *err) {
     const bench_plugin_setup setup = {
         .plugin = &run->plugin, .cl = &run->cl, .frames = run->o.frames, .method = method};
-    bench_slabs slabs;
-    if (!bench_slabs_create(&slabs, sizes[size], slab_slices, err)) return false;
+    uint8_t *voxels = bench_volume_make(sizes[size], err);
+    if (!voxels) return false;
     bool ok = true;
     for (int route = 0; ok && route < BENCH_ROUTES; route++) {
         if (!run->o.route[route]) continue;
         if (!hs_plugin_takes(run->plugin.instance->descriptor, bench_route_handover((bench_route)route))) {
             printf("%-34s %4u | left out: the plugin takes no such slabs\n",
-                   bench_route_label((bench_route)route), slabs.layout.slab_slices);
+                   bench_route_label((bench_route)route), slab_slices);
             continue;
         }
-        const bench_variant variant = {sizes[size], kernels[size], slabs.layout.slab_slices,
-                                       (bench_route)route};
+        const bench_variant variant = {sizes[size], kernels[size], slab_slices, (bench_route)route};
         bench_plugin_result *result = &run->results[run->report.plugin_count];
         hs_progress progress;
         hs_progress_begin(&progress, bench_route_label(variant.route), run->o.frames);
-        ok = bench_plugin_run(&setup, &slabs, &variant, &progress, result, err);
+        ok = bench_plugin_run(&setup, voxels, &variant, &progress, result, err);
         hs_progress_end(&progress);
         if (!ok) break;
         if (!method) bench_print_plugin(result);
         run->report.plugin_count++;
     }
-    bench_slabs_destroy(&slabs);
+    free(voxels);
     return ok;
 }
 
