@@ -198,10 +198,7 @@ struct hs_device_volume {
     double spacing[3];      /* mm */
     hs_device_bytes voxels; /* n[0] * n[1] * n[2] bytes, x fastest */
     hs_device_beams *beams; /* what the volume is the Cartesian copy of, or NULL */
-    /* Made of the voxels when somebody asks. */
-    hs_brick_grid *bricks;
-    hs_halved *halved;
-    hs_lit_volume *lit;
+    hs_derived *derived;    /* made of the voxels when somebody asks */
 };
 
 /* Trilinear lookups read two neighbours in x. A volume one voxel wide has no second one, so the kernels
@@ -224,7 +221,6 @@ static bool upload(hs_device_volume *dv, const hs_volume *volume, hs_error *err)
 
 static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
     const uint32_t n[3] = {volume->nx, volume->ny, volume->nz};
-    cl_int4 dims = {{0}};
     uint64_t count = 1;
     for (int k = 0; k < 3; k++) {
         if (n[k] == 0 || n[k] > HS_VOLUME_MAX_AXIS) { /* the kernels' rows are as long as that (MAX_ROW) */
@@ -233,7 +229,6 @@ static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
         }
         dv->n[k] = n[k];
         dv->spacing[k] = volume->spacing[k];
-        dims.s[k] = (cl_int)n[k];
         count *= n[k];
     }
     if (count >= 1ull << 31) { /* the kernels index voxels with 31 bits */
@@ -241,9 +236,7 @@ static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
                        volume->name, n[0], n[1], n[2]);
     }
     return hs_device_bytes_init(&dv->voxels, dv->cl, (size_t)count, wraps_host_memory(dv), err) &&
-           (dv->bricks = hs_brick_grid_create(dv->cl, dims, err)) &&
-           (dv->halved = hs_halved_create(dv->cl, n, hs_lit_volume_factor(n) == 2, err)) &&
-           (dv->lit = hs_lit_volume_create(dv->cl, n, err)) && upload(dv, volume, err);
+           (dv->derived = hs_derived_create(dv->cl, n, err)) && upload(dv, volume, err);
 }
 
 hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err) {
@@ -267,9 +260,7 @@ bool hs_device_volume_replace(hs_device_volume *dv, const hs_volume *volume, hs_
         return hs_fail(err, HS_ERR_INPUT, "%s: %s in a sequence that is not", volume->name,
                        volume->beams ? "in probe geometry" : "Cartesian");
     for (int k = 0; k < 3; k++) dv->spacing[k] = volume->spacing[k];
-    hs_brick_grid_expire(dv->bricks);
-    hs_halved_expire(dv->halved);
-    hs_lit_volume_expire(dv->lit);
+    hs_derived_expire(dv->derived);
     return upload(dv, volume, err);
 }
 
@@ -277,9 +268,7 @@ void hs_device_volume_destroy(hs_device_volume *dv) {
     if (!dv) return;
     /* The host memory may go as soon as this returns, so nothing may be reading it any more. */
     (void)clFinish(dv->cl->queue);
-    hs_lit_volume_destroy(dv->lit);
-    hs_halved_destroy(dv->halved);
-    hs_brick_grid_destroy(dv->bricks);
+    hs_derived_destroy(dv->derived);
     hs_device_beams_destroy(dv->beams);
     hs_device_bytes_free(&dv->voxels);
     free(dv);
@@ -295,15 +284,14 @@ hs_device_view hs_device_volume_view(const hs_device_volume *dv) {
 }
 
 bool hs_device_volume_bricks(const hs_device_volume *dv, hs_brick_view *view, hs_error *err) {
-    return hs_brick_grid_make(dv->bricks, dv->voxels.buffer, view, err);
+    return hs_derived_bricks(dv->derived, dv->voxels.buffer, view, err);
 }
 
 bool hs_device_volume_halved(const hs_device_volume *dv, hs_halved_view *view, hs_error *err) {
-    return hs_halved_make(dv->halved, dv->voxels.buffer, view, err);
+    return hs_derived_halved(dv->derived, dv->voxels.buffer, view, err);
 }
 
 bool hs_device_volume_lit(const hs_device_volume *dv, float threshold_low, float threshold_high,
                           hs_lit_view *view, hs_error *err) {
-    return hs_lit_volume_make(dv->lit, dv->voxels.buffer, dv->halved, threshold_low, threshold_high, view,
-                              err);
+    return hs_derived_lit(dv->derived, dv->voxels.buffer, threshold_low, threshold_high, view, err);
 }

@@ -56,7 +56,7 @@ hs_device_view hs_device_volume_view(const hs_device_volume *dv);
 
 /* What is made of the voxels, each once per volume, when it is first asked for; it takes its memory at the
  * first time of all, and does not wait. For the thesis' look and projections; for scan conversion and the lit
- * look; for the lit look (hs_lit_volume_make). HS_ERR_DEVICE. */
+ * look; for the lit look (hs_derived_lit). HS_ERR_DEVICE. */
 bool hs_device_volume_bricks(const hs_device_volume *dv, hs_brick_view *view, hs_error *err);
 bool hs_device_volume_halved(const hs_device_volume *dv, hs_halved_view *view, hs_error *err);
 bool hs_device_volume_lit(const hs_device_volume *dv, float threshold_low, float threshold_high,

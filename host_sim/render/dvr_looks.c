@@ -179,7 +179,7 @@ static lit_plan plan_geometry(const hs_dvr_lit_scene *scene) {
     const uint32_t n[3] = {shape->nx, shape->ny, shape->nz};
     hs_box_map map;
     hs_camera_box_map(scene->camera, shape, &map);
-    lit_plan p = {.dims = scene->volume.dims, .bricks = scene->volume.bricks};
+    lit_plan p = {.dims = scene->volume.dims, .bricks = scene->volume.bricks.count};
     p.slices = source_slices(shape, scene->camera);
     const double factor = scene->volume.factor;
     double first[3], du[3], dv[3], dw[3], size = 1.0, finest = shape->spacing[0];
@@ -273,7 +273,7 @@ bool hs_dvr_lit_render(const hs_cl *cl, cl_kernel kernel, const hs_dvr_lit_scene
     hs_launch launch = hs_launch_begin(cl, kernel, HS_DVR_LIT_KERNEL);
     hs_launch_buffer(&launch, v->smooth);
     hs_launch_arg(&launch, sizeof p.dims, &p.dims);
-    hs_launch_buffer(&launch, v->brick_maxima);
+    hs_launch_buffer(&launch, v->bricks.maxima);
     hs_launch_arg(&launch, sizeof p.bricks, &p.bricks);
     hs_launch_buffer(&launch, v->opacity);
     hs_launch_arg(&launch, sizeof v->cells, &v->cells);
