@@ -31,6 +31,61 @@ size_t resident_bytes(void) {
     return pages[1] * (size_t)sysconf(_SC_PAGESIZE);
 }
 
+void expect_volume(const hs_source *source, const uint8_t *levels, uint32_t index) {
+    hs_error err = {0};
+    const hs_volume *v = hs_source_bring(source, index, &err);
+    if (!v) {
+        fail_msg("%s", err.text);
+        return;
+    }
+    const uint8_t level = levels[index % source->count], *voxels = v->beams ? v->beams->voxels : v->voxels;
+    const size_t count = v->beams ? hs_beams_count(v->beams) : hs_volume_count(v);
+    for (size_t i = 0; i < count; i++)
+        if (voxels[i] != level)
+            fail_msg("%s: voxel %zu of volume %u is %u, expected %u", v->name, i, index, voxels[i], level);
+}
+
+void expect_any_order(const hs_source *source, const uint8_t *levels) {
+    uint32_t at = 0;
+    for (uint32_t turn = 0; turn < 60; turn++) {
+        at = (at * 5 + turn * 3 + 1) % source->count;
+        expect_volume(source, levels, at);
+    }
+}
+
+/* AddressSanitizer keeps a byte for every eight. */
+#ifdef __SANITIZE_ADDRESS__
+#define SHADOW 9 / 8
+#else
+#define SHADOW 1
+#endif
+
+void expect_flat_memory(const hs_source *source, const uint8_t *levels, size_t before) {
+    const hs_volume *shape = hs_source_shape(source);
+    const size_t bytes = hs_volume_count(shape) + (shape->beams ? hs_beams_count(shape->beams) : 0);
+    size_t maximum = 0;
+    assert_non_null(source->stream);
+    assert_true(bytes > 1u << 20 && source->count > 2 * SEQUENCE_MAX_VOLUMES);
+    for (uint32_t i = 0; i < source->count + 5; i++) {
+        expect_volume(source, levels, i);
+        const size_t now = resident_bytes();
+        if (now > maximum) maximum = now;
+    }
+    if (maximum > before + SEQUENCE_MAX_VOLUMES * bytes * SHADOW)
+        fail_msg("%s: %zu bytes more in memory, a volume has %zu", shape->name, maximum - before, bytes);
+}
+
+void expect_failure(const hs_source *source, const uint8_t *levels, uint32_t index, const char *file,
+                    const char *told) {
+    for (int turn = 0; turn < 3; turn++) {
+        hs_error err = {0};
+        assert_null(hs_source_bring(source, index, &err));
+        unit_told(err, HS_ERR_INPUT, file);
+        unit_told(err, HS_ERR_INPUT, told);
+        expect_volume(source, levels, 1);
+    }
+}
+
 static void expect_level(hs_loop *loop, uint32_t index, uint8_t level) {
     hs_view view = view_of(loop, index);
     uint8_t maximum = 0;

@@ -20,6 +20,22 @@ enum { SEQUENCE_MAX_VOLUMES = 5 };
 /* Bytes of this process that are in memory. */
 size_t resident_bytes(void);
 
+/* What expects takes `levels`, one a volume, and fails where a volume, or what its beams brought, has
+ * another. */
+void expect_volume(const hs_source *source, const uint8_t *levels, uint32_t index);
+
+/* Volumes far from one another come as well as those that follow one another. */
+void expect_any_order(const hs_source *source, const uint8_t *levels);
+
+/* A round and some volumes more: `source`, which was opened when `before` bytes were in memory, never has
+ * more than SEQUENCE_MAX_VOLUMES of them there. */
+void expect_flat_memory(const hs_source *source, const uint8_t *levels, size_t before);
+
+/* Volume `index` fails, whenever it is asked for, and says what of which file; volume 1 is there all the
+ * same. */
+void expect_failure(const hs_source *source, const uint8_t *levels, uint32_t index, const char *file,
+                    const char *told);
+
 /* Runs the loop a round and five frames more over the source, in the setting "smartvis" without a failure;
  * then every sixth volume's projection must show `levels` of it and nothing brighter. */
 void expect_every_frame_shows_its_volume(const fixture *f, const hs_source *source, const uint8_t *levels);

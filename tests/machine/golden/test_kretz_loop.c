@@ -14,9 +14,7 @@
 
 enum { VOLUMES = 25, SAMPLES = 96, LINES = 80, PLANES = 64 };
 
-static uint8_t level_of(uint32_t volume) {
-    return (uint8_t)(10 + 9 * volume);
-}
+static uint8_t levels[VOLUMES]; /* 10 + 9 n */
 
 /* Writes the file and returns its path, which stays good. */
 static const char *write_sequence(uint32_t volumes) {
@@ -39,7 +37,7 @@ static const char *write_sequence(uint32_t volumes) {
     (void)snprintf(path, sizeof path, "%s", files_path("sequence.vol"));
     bool ok = hs_kretz_write_open(&writer, path, &beams, volumes, &err);
     for (uint32_t n = 0; ok && n < volumes; n++) {
-        memset(voxels, level_of(n), SAMPLES * LINES * PLANES);
+        memset(voxels, levels[n], SAMPLES * LINES * PLANES);
         ok = hs_kretz_write_volume(&writer, voxels, &err);
     }
     if (!ok || !hs_kretz_write_commit(&writer, &err)) fail_msg("%s", err.text);
@@ -53,51 +51,18 @@ static hs_source *open_one(const char *path, const hs_source_files *how) {
     return open_source(&path, 1, how);
 }
 
-static uint8_t brightest(const hs_volume *volume) {
-    uint8_t maximum = 0;
-    for (size_t i = 0; i < hs_volume_count(volume); i++)
-        if (volume->voxels[i] > maximum) maximum = volume->voxels[i];
-    return maximum;
-}
-
-/* A round and some more take no more memory than five volumes; the file has 25. */
+/* A round takes no more memory than a few volumes; the file has 25. */
 static void memory_stays_flat(void **state) {
     const char *path = write_sequence(VOLUMES);
     const size_t before = resident_bytes();
     hs_source *source = open_one(path, NULL);
-    hs_error err = {0};
     assert_int_equal(source->count, VOLUMES);
-    const hs_volume *shape = hs_source_shape(source);
-    const size_t bytes = hs_volume_count(shape) + hs_beams_count(shape->beams);
-    size_t maximum = 0;
-    for (uint32_t i = 0; i < VOLUMES + 5; i++) {
-        const hs_volume *volume = hs_source_bring(source, i, &err);
-        if (!volume) fail_msg("%s", err.text);
-        assert_int_equal(brightest(volume), level_of(i % VOLUMES));
-        const size_t now = resident_bytes();
-        if (now > maximum) maximum = now;
-    }
-    assert_true(bytes > 1u << 20);
-    if (maximum > before + 5 * bytes)
-        fail_msg("%zu bytes more in memory, a volume has %zu", maximum - before, bytes);
+    expect_flat_memory(source, levels, before);
 }
 
 static void volumes_come_in_any_order(void **state) {
-    for (uint32_t volumes = 2; volumes <= 7; volumes++) {
-        hs_source *source = open_one(write_sequence(volumes), &coarse);
-        hs_error err = {0};
-        uint32_t at = 0;
-        for (uint32_t turn = 0; turn < 40; turn++) {
-            at = (at * 5 + turn * 3 + 1) % volumes;
-            const hs_volume *volume = hs_source_bring(source, at, &err);
-            if (!volume) {
-                fail_msg("%s", err.text);
-                return;
-            }
-            assert_int_equal(brightest(volume), level_of(at));
-            assert_int_equal(volume->beams->voxels[turn], level_of(at));
-        }
-    }
+    for (uint32_t volumes = 2; volumes <= 7; volumes++)
+        expect_any_order(open_one(write_sequence(volumes), &coarse), levels);
 }
 
 /* A stream is closed while its thread reads. */
@@ -111,28 +76,17 @@ static void a_stream_ends_at_once(void **state) {
 }
 
 static void every_frame_shows_its_volume(void **state) {
-    uint8_t levels[VOLUMES];
-    for (uint32_t n = 0; n < VOLUMES; n++) levels[n] = level_of(n);
     hs_source *source = open_one(write_sequence(VOLUMES), &coarse);
     expect_every_frame_shows_its_volume(*state, source, levels);
 }
 
-/* The file loses its end while it is played: the frames that are gone are errors, with file and reason. */
+/* The file loses its end while it is played: the frames that are gone are errors, what is left is there. */
 static void a_failing_file_is_told(void **state) {
     const char *path = write_sequence(VOLUMES);
     hs_source *source = open_one(path, &coarse);
-    hs_error err = {0};
-    assert_non_null(hs_source_bring(source, 1, &err));
+    expect_volume(source, levels, 1);
     assert_int_equal(truncate(path, 20 * SAMPLES * LINES * PLANES), 0);
-    for (int turn = 0; turn < 3; turn++) {
-        err = (hs_error){0};
-        assert_null(hs_source_bring(source, 22, &err));
-        unit_told(err, HS_ERR_INPUT, "sequence.vol");
-        assert_non_null(strstr(err.text, "became shorter"));
-        const hs_volume *volume = hs_source_bring(source, 3, &err); /* what is left is still there */
-        assert_non_null(volume);
-        assert_int_equal(brightest(volume), level_of(3));
-    }
+    expect_failure(source, levels, 22, "sequence.vol", "became shorter");
 }
 
 static void expect_refusal(const char *const *paths, uint32_t count, const hs_source_files *how, hs_code code,
@@ -195,7 +149,12 @@ static void cartesian_voxels_are_handed_on(void **state) {
     hs_result_voxels_close(voxels);
 }
 
-UNIT_MAIN(sequence_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
+static int kretz_set_up(void **state) {
+    for (uint32_t n = 0; n < VOLUMES; n++) levels[n] = (uint8_t)(10 + 9 * n);
+    return sequence_set_up(state);
+}
+
+UNIT_MAIN(kretz_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
           cmocka_unit_test(volumes_come_in_any_order), cmocka_unit_test(a_stream_ends_at_once),
           cmocka_unit_test(every_frame_shows_its_volume), cmocka_unit_test(a_failing_file_is_told),
           cmocka_unit_test(what_does_not_fit_is_refused),
