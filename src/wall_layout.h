@@ -28,8 +28,8 @@ typedef struct {
      * answer does not flicker. SV_WALL_EMPTY: there was none. */
     double hysteresis;
     sv_wall_outcome last;
-    double doubtful_confidence; /* a doubtful surface is so sure where another has 1, */
-    double opening_mm;      /* and it has no pit that is narrower than this, a sure one than a part of it */
+    double doubtful_confidence; /* of a doubtful surface where a certain one has 1 */
+    double opening_mm; /* a doubtful surface has no pit narrower than this, a certain one than a part of it */
     bool clip_doubtful;     /* clip at a doubtful surface, too; and where there is no fluid, it is doubtful */
     double tail_rank;       /* the spread of the wall's brightness leaves such a share on either side */
     double slope;           /* of the logistic function, per spread */

@@ -11,20 +11,20 @@
 /* The state of a ray. */
 typedef struct {
     __global const uchar *levels, *brightness,
-        *kinds;                     /* of the first layer; brightness and kinds are those of the ray's cell */
+        *flags;                     /* of the first layer; brightness and flags are those of the ray's cell */
     size_t level_pitch, cell_pitch; /* from one layer to the next */
     __global const uint *probabilities;
     bool bare;                     /* there is no wall */
     uint first, end, run, run_end; /* scanned layers, the first run */
     bool scanned, touches;         /* the first run begins where the scan does */
     uint fluid, fluid_end;         /* where the surface belongs if there is no fetus */
-    uint begun, in_run;            /* probability of a fetus; of one that begins in the first run */
+    uint fetus, in_run;            /* probability of a fetus; of one that begins in the first run */
     uint doubt;                    /* probability of a fetus that begins with a run behind what is no fluid */
 } ray_t;
 
 /* What is kept of the layers of a ray, `pitch` apart. */
 typedef struct {
-    __global ushort *begun; /* probability that the fetus has begun */
+    __global ushort *fetus; /* probability that the fetus has begun */
     __global ushort *costs;
     __global uchar *near; /* distance to the fluid in front */
     size_t pitch;
@@ -48,14 +48,14 @@ static uint share_of_cost(uint cost, uint probability) {
 }
 
 /* Returns the probability that tissue is the fetus. */
-static uint chance_at(const sv_wall_layout *l, const ray_t *r, uint z) {
+static uint probability_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     const size_t at = z * r->cell_pitch;
-    const uint kind = r->kinds[at], probability = r->probabilities[r->brightness[at]];
+    const uint flags = r->flags[at], probability = r->probabilities[r->brightness[at]];
     const uint any = probability >> 16, first = probability & 0xffffu;
-    if (!r->touches || r->run_end <= z) return (kind & CELL_ENCLOSED) ? first : any;
+    if (!r->touches || r->run_end <= z) return (flags & CELL_ENCLOSED) ? first : any;
     if (z < r->run + l->skin) return 0; /* the skin tells nothing */
-    if (kind & CELL_FLANKED) return any;
-    return (kind & CELL_ADJACENT) ? first + share(any - first, l->one_side) : first;
+    if (flags & CELL_FLANKED) return any;
+    return (flags & CELL_ADJACENT) ? first + share(any - first, l->one_side) : first;
 }
 
 /* Returns how certain fluid is: fully if it is `known`, else by the level of its darkest block. */
@@ -84,7 +84,7 @@ static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
             certain = certainty_of(l, darkest, r->touches && !over);
         darkest = tissue ? (uint)SV_WALL_TISSUE : min(darkest, level);
         if (tissue) {
-            maximum = max(maximum, chance_at(l, r, z));
+            maximum = max(maximum, probability_at(l, r, z));
             now = before - share(before, maximum);
             if (!behind && r->run_end < z && !over) { /* tissue behind the first fluid */
                 r->fluid_end = z;
@@ -97,12 +97,12 @@ static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
         const bool open_front = r->scanned && !r->touches && z < r->first;
         const bool fluid = open_front || (!tissue && z >= r->first && z < r->end);
         near = fluid ? 0 : min(near + 1, l->full_distance);
-        s->begun[z * s->pitch] = (ushort)(SV_WALL_PROBABILITY_ONE - now);
+        s->fetus[z * s->pitch] = (ushort)(SV_WALL_PROBABILITY_ONE - now);
         s->near[z * s->pitch] = (uchar)near;
         behind = tissue;
     }
     if (behind) r->doubt += doubt_of(before - now, certain);
-    r->begun = SV_WALL_PROBABILITY_ONE - now;
+    r->fetus = SV_WALL_PROBABILITY_ONE - now;
 }
 
 /* Finds the first fluid after the forward pass. With an open front, or without fluid, the surface belongs in
@@ -111,18 +111,18 @@ static void forward_end(ray_t *r, const layers_t *s) {
     const bool in_front = !(r->touches && r->run_end < r->end);
     r->fluid = in_front ? 0 : r->run_end;
     r->fluid_end = in_front ? r->run : r->fluid_end;
-    r->in_run = r->touches && r->run_end > r->run ? s->begun[(r->run_end - 1) * s->pitch] : 0;
+    r->in_run = r->touches && r->run_end > r->run ? s->fetus[(r->run_end - 1) * s->pitch] : 0;
 }
 
 /* Returns what a ray pays in layer z but for the distance. `later`: probability that the fetus begins with a
  * run whose fluid is behind the layer. */
 static uint error_cost(const sv_wall_layout *l, const ray_t *r, const layers_t *s, uint z, uint later) {
     const uint skin = z + l->skin;
-    if (r->touches && skin < r->run_end) later += r->in_run - s->begun[skin * s->pitch];
+    if (r->touches && skin < r->run_end) later += r->in_run - s->fetus[skin * s->pitch];
     uint cost = share_of_cost(l->occluder_cost, later);
-    if (z > 0 || !r->bare) cost += share_of_cost(l->cut_cost, s->begun[z * s->pitch]);
+    if (z > 0 || !r->bare) cost += share_of_cost(l->cut_cost, s->fetus[z * s->pitch]);
     if (z < r->fluid || z >= r->fluid_end)
-        cost += share_of_cost(SV_WALL_COST_ONE, SV_WALL_PROBABILITY_ONE - r->begun);
+        cost += share_of_cost(SV_WALL_COST_ONE, SV_WALL_PROBABILITY_ONE - r->fetus);
     return cost;
 }
 
@@ -134,14 +134,14 @@ static uint distance_cost_at(const sv_wall_layout *l, uint near) {
 /* Walks all layers from back to front, and stores the costs of the ray. */
 static void backward_pass(const sv_wall_layout *l, const ray_t *r, const layers_t *s) {
     bool behind = false, fluid_behind = false;
-    uint later = r->doubt, run_end = r->begun, near = l->full_distance, darkest = SV_WALL_TISSUE;
+    uint later = r->doubt, run_end = r->fetus, near = l->full_distance, darkest = SV_WALL_TISSUE;
     for (uint z = l->layers; z-- > 0;) {
         const uint level = r->levels[z * r->level_pitch];
         const bool tissue = level > SV_WALL_TISSUE;
-        const uint begun = s->begun[z * s->pitch], before = s->near[z * s->pitch];
+        const uint fetus = s->fetus[z * s->pitch], before = s->near[z * s->pitch];
         if (tissue && fluid_behind)
-            later += share(run_end - begun, certainty_of(l, darkest, r->touches && z + 1 == r->run_end));
-        if (tissue && !behind) run_end = begun;
+            later += share(run_end - fetus, certainty_of(l, darkest, r->touches && z + 1 == r->run_end));
+        if (tissue && !behind) run_end = fetus;
         darkest = tissue ? (uint)SV_WALL_TISSUE : min(darkest, level);
         fluid_behind = before == 0;
         behind = tissue;
@@ -164,16 +164,16 @@ static void load_ray(const sv_wall_layout *l, __global const ushort *rays, uint 
 __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict info,
                                __global const uchar *restrict levels,
                                __global const uchar *restrict brightness,
-                               __global const uchar *restrict kinds, __global const ushort *restrict rays,
+                               __global const uchar *restrict flags, __global const ushort *restrict rays,
                                __global ushort *restrict scratch) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const layers_t s = layers_of(&l, scratch, row, x);
-    ray_t r = {.probabilities = info + SV_WALL_INFO_CHANCES, .bare = info[SV_WALL_INFO_BARE] != 0};
+    ray_t r = {.probabilities = info + SV_WALL_INFO_PROBABILITIES, .bare = info[SV_WALL_INFO_BARE] != 0};
     r.levels = levels + level_row(&l, 0, row) + x;
     r.level_pitch = level_pitch_of(&l);
     r.brightness = brightness + cell_row(&l, 0, row / 2) + x / 2;
-    r.kinds = kinds + cell_row(&l, 0, row / 2) + x / 2;
+    r.flags = flags + cell_row(&l, 0, row / 2) + x / 2;
     r.cell_pitch = cell_row(&l, 1, 0);
     load_ray(&l, rays, x, row, &r);
     forward_pass(&l, &r, &s);
@@ -196,7 +196,7 @@ __kernel void wall_items_cells(sv_wall_layout l, __global const uint *restrict i
     for (uint i = item; i < rays; i += items) {
         const ray_place_t at = ray_of_group(&l, i);
         const layers_t s = layers_of(&l, scratch, at.row, at.x);
-        atomic_add(&sum, (uint)s.begun[(l.layers - 1) * s.pitch]);
+        atomic_add(&sum, (uint)s.fetus[(l.layers - 1) * s.pitch]);
     }
     for (uint i = item; i < count; i += items) {
         const uint x = i % l.cells[0], z = i / l.cells[0];

@@ -104,18 +104,18 @@ static float far_end(const costs_t *c, uint best, uint limit) {
     return z + 1 < c->layers ? (float)z + crossing(cost_at(c, z), cost_at(c, z + 1), limit) : (float)z;
 }
 
-/* One work item per ray. `places`: the planes of the layers, of the ends around them, which never pass them,
+/* One work item per ray. `planes`: the planes of the layers, of the ends around them, which never pass them,
  * and of what the layers cost. */
 __kernel void wall_items_minimum(sv_wall_layout l, __global const uint *restrict info,
-                                 __global const ushort *restrict fine, __global float *restrict places) {
+                                 __global const ushort *restrict fine, __global float *restrict planes) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const costs_t c = costs_of(&l, fine, x, row);
     uint minimum;
     const uint best = minimum_layer(&c, &minimum);
     const float mean = mean_around(&c, best, minimum + l.average_margin);
-    places[place_row(&l, PLACE_LAYER, row) + x] = mean;
-    places[place_row(&l, PLACE_COST, row) + x] = (float)minimum / SV_WALL_FINE_COST_ONE;
-    places[place_row(&l, PLACE_NEAR, row) + x] = fmin(near_end(&c, best, minimum + l.knob_margin), mean);
-    places[place_row(&l, PLACE_FAR, row) + x] = fmax(far_end(&c, best, minimum + l.knob_margin), mean);
+    planes[plane_row(&l, PLANE_LAYER, row) + x] = mean;
+    planes[plane_row(&l, PLANE_COST, row) + x] = (float)minimum / SV_WALL_FINE_COST_ONE;
+    planes[plane_row(&l, PLANE_NEAR, row) + x] = fmin(near_end(&c, best, minimum + l.knob_margin), mean);
+    planes[plane_row(&l, PLANE_FAR, row) + x] = fmax(far_end(&c, best, minimum + l.knob_margin), mean);
 }

@@ -161,26 +161,26 @@ static void classify_fetus(const sv_wall_layout *l, __global uchar *cells, __glo
 __kernel void wall_items_surroundings(sv_wall_layout l, __global const uint *restrict info,
                                       __global const uchar *restrict levels,
                                       __global const uchar *restrict brightness,
-                                      __global const ushort *restrict rays, __global uchar *restrict kinds) {
+                                      __global const ushort *restrict rays, __global uchar *restrict flags) {
     const uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), z = (uint)get_group_id(0);
     const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
     const uint minimum = info[SV_WALL_INFO_FETUS];
     const uint rows = wanted ? l.cells[1] : 0, columns = wanted ? l.cells[0] : 0;
     const size_t layer = cell_row(&l, z, 0), pitch = cell_row(&l, 0, 1);
     for (uint i = item; i < rows * columns; i += items)
-        kinds[layer + i / columns * pitch + i % columns] =
+        flags[layer + i / columns * pitch + i % columns] =
             kind_of(&l, levels, rays, z, i / columns, i % columns);
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint y = item; y < rows; y += items)
-        find_sides(kinds + layer + y * pitch, 1, columns, CELL_WALL, CELL_WALL_IN_ROW, CELL_WALL_BESIDE);
+        find_sides(flags + layer + y * pitch, 1, columns, CELL_WALL, CELL_WALL_IN_ROW, CELL_WALL_BESIDE);
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint x = item; x < columns; x += items) {
-        __global uchar *const column = kinds + layer + x;
+        __global uchar *const column = flags + layer + x;
         find_enclosed(column, pitch, rows);
         classify_fetus(&l, column, brightness + layer + x, minimum, pitch);
         find_sides(column, pitch, rows, CELL_FETUS, CELL_FLANKED, CELL_ADJACENT);
     }
     barrier(CLK_GLOBAL_MEM_FENCE);
     for (uint y = item; y < rows; y += items)
-        find_sides(kinds + layer + y * pitch, 1, columns, CELL_FETUS, CELL_FLANKED, CELL_ADJACENT);
+        find_sides(flags + layer + y * pitch, 1, columns, CELL_FETUS, CELL_FLANKED, CELL_ADJACENT);
 }

@@ -19,24 +19,24 @@ static void neighbours(const sv_wall_layout *l, __global const float *plane, uin
     const int dx = (int)l->median_step[0], dy = (int)l->median_step[1];
     for (int v = -1; v <= 1; v++)
         for (int u = -1; u <= 1; u++)
-            *out++ = plane[place_row(l, 0, clamped(y, v * dy, l->rows)) + clamped(x, u * dx, l->columns)];
+            *out++ = plane[plane_row(l, 0, clamped(y, v * dy, l->rows)) + clamped(x, u * dx, l->columns)];
 }
 
-static float median_at(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
+static float median_at(const sv_wall_layout *l, __global const float *planes, uint plane, uint x, uint y) {
     float near[9];
-    neighbours(l, places + place_row(l, plane, 0), x, y, near);
+    neighbours(l, planes + plane_row(l, plane, 0), x, y, near);
     return l->median ? median(near) : near[4];
 }
 
 /* One work item per ray: the medians of the layers and of the ends around them. The planes it writes are none
  * of those it reads. */
 __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict info,
-                                __global float *restrict places) {
+                                __global float *restrict planes) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    places[place_row(&l, PLACE_MEDIAN, y) + x] = median_at(&l, places, PLACE_LAYER, x, y);
-    places[place_row(&l, PLACE_MEDIAN_NEAR, y) + x] = median_at(&l, places, PLACE_NEAR, x, y);
-    places[place_row(&l, PLACE_MEDIAN_FAR, y) + x] = median_at(&l, places, PLACE_FAR, x, y);
+    planes[plane_row(&l, PLANE_MEDIAN, y) + x] = median_at(&l, planes, PLANE_LAYER, x, y);
+    planes[plane_row(&l, PLANE_MEDIAN_NEAR, y) + x] = median_at(&l, planes, PLANE_NEAR, x, y);
+    planes[plane_row(&l, PLANE_MEDIAN_FAR, y) + x] = median_at(&l, planes, PLANE_FAR, x, y);
 }
 
 /* Adds the blocks of a ray that are as dark as `fluid` to `gaps`: all of them, and those in the fluid of
@@ -65,7 +65,7 @@ static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __gl
  * rays that begin in the fluid. */
 __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict info,
                               __global const uchar *restrict levels, __global const uchar *restrict relative,
-                              __global const ushort *restrict rays, __global const float *restrict places,
+                              __global const ushort *restrict rays, __global const float *restrict planes,
                               __global ulong *restrict gaps) {
     __local uint sums[3];
     const uint item = (uint)get_local_id(0), row = (uint)get_group_id(0);
@@ -77,7 +77,7 @@ __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict in
         const size_t from = level_row(&l, 0, at.row) + at.x;
         const uint first = rays[block_row(&l, RAY_FIRST, at.row) + at.x];
         const uint end = rays[block_row(&l, RAY_END, at.row) + at.x];
-        const float place = places[place_row(&l, PLACE_MEDIAN, at.row) + at.x];
+        const float place = planes[plane_row(&l, PLANE_MEDIAN, at.row) + at.x];
         add_gaps(&l, levels + from, relative + from, first, end, info[SV_WALL_INFO_FLUID],
                  gap_layer(&l, relative + from, first, place), sums);
     }
@@ -87,32 +87,32 @@ __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict in
 
 /* One work item per ray: the confidence. */
 __kernel void wall_items_confidence(sv_wall_layout l, __global const uint *restrict info,
-                                    __global const uchar *restrict levels, __global float *restrict places) {
+                                    __global const uchar *restrict levels, __global float *restrict planes) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    const uint at = (uint)places[place_row(&l, PLACE_MEDIAN, y) + x];
+    const uint at = (uint)planes[plane_row(&l, PLANE_MEDIAN, y) + x];
     const float level = (float)levels[level_row(&l, at, y) + x] / SV_WALL_TISSUE;
-    places[place_row(&l, PLACE_LAYER, y) + x] =
-        confidence_of(&l, places[place_row(&l, PLACE_COST, y) + x], level);
+    planes[plane_row(&l, PLANE_LAYER, y) + x] =
+        confidence_of(&l, planes[plane_row(&l, PLANE_COST, y) + x], level);
 }
 
 /* One work item per ray: moves the surface in its range, to the far end at q = 0, to the near end at q = 1,
  * linear to either side of 0.5. In tissue it goes back to the fluid. */
 __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict info,
                               __global const uchar *restrict levels, __global const ushort *restrict rays,
-                              __global float *restrict places) {
+                              __global float *restrict planes) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    const float part = fabs(2.0f * l.q - 1.0f), place = places[place_row(&l, PLACE_MEDIAN, y) + x];
-    const float end = places[place_row(&l, l.q < 0.5f ? PLACE_MEDIAN_FAR : PLACE_MEDIAN_NEAR, y) + x];
+    const float part = fabs(2.0f * l.q - 1.0f), place = planes[plane_row(&l, PLANE_MEDIAN, y) + x];
+    const float end = planes[plane_row(&l, l.q < 0.5f ? PLANE_MEDIAN_FAR : PLANE_MEDIAN_NEAR, y) + x];
     const float at = fmax(place + part * (end - place), 0.0f);
-    places[place_row(&l, PLACE_SURFACE, y) + x] =
+    planes[plane_row(&l, PLANE_SURFACE, y) + x] =
         back_to_fluid(&l, levels + level_row(&l, 0, y) + x, rays[block_row(&l, RAY_FIRST, y) + x], at);
 }
 
 /* One work item per pixel. The depthmap at q, from value `first` on; zeros if there is no surface. */
 __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restrict info,
-                                  __global const float *restrict places, __global float *restrict confidence,
+                                  __global const float *restrict planes, __global float *restrict confidence,
                                   ulong first, __global float *restrict depths) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.width) return;
@@ -120,8 +120,8 @@ __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restric
     const float most = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f;
     const pair_t u = pair_of(between(x, l.width, l.columns), l.width, l.columns);
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
-    const float depth = (float)l.depth * interpolate(&l, places + place_row(&l, PLACE_SURFACE, 0), u, v);
-    const float certainty = most * fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
+    const float depth = (float)l.depth * interpolate(&l, planes + plane_row(&l, PLANE_SURFACE, 0), u, v);
+    const float certainty = most * fmin(interpolate(&l, planes, u, v), 1.0f); /* weights are rounded */
     depths[first + (size_t)y * l.width + x] = wanted ? depth : 0.0f;
     confidence[(size_t)y * l.width + x] = wanted ? certainty : 0.0f;
 }

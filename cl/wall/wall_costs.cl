@@ -20,25 +20,25 @@ typedef struct {
     i16l scanned;                  /* there are scanned layers */
     i16l touches;                  /* the first run begins where the scan does */
     i16l fluid, fluid_end;         /* where the surface belongs if there is no fetus */
-    u16l begun, in_run;            /* probability of a fetus; of one that begins in the first run */
+    u16l fetus, in_run;            /* probability of a fetus; of one that begins in the first run */
     u16l doubt;                    /* probability of a fetus that begins with a run behind what is no fluid */
     /* for every layer: probability that the fetus has begun, distance to the fluid in front */
-    __global u16l *begun_at;
+    __global u16l *fetus_at;
     __global u8l *near_at;
 } rays_t;
 
 /* The state of the two rows of rays that HALF cells have. */
 typedef struct {
     rays_t rays[2];
-    size_t level_pitch, cell_pitch;   /* from one layer to the next */
-    bool bare;                        /* there is no wall */
-    __global const uchar *brightness; /* of the first layer */
-    __global const ulong *kinds;      /* of the first layer */
-    size_t word_pitch;                /* from one word of `kinds` to the next */
-    __global const uint *chances;     /* of every brightness */
+    size_t level_pitch, cell_pitch;     /* from one layer to the next */
+    bool bare;                          /* there is no wall */
+    __global const uchar *brightness;   /* of the first layer */
+    __global const ulong *flags;        /* of the first layer */
+    size_t word_pitch;                  /* from one word of `flags` to the next */
+    __global const uint *by_brightness; /* of every brightness */
     /* For every layer with tissue before `certain_from`: the cells' probabilities by brightness, of a later
      * run * 65536 + of a first run. */
-    __global u32h *chance;
+    __global u32h *by_layer;
     extent_t layers;   /* those in which costs change from one to the next */
     uint certain_from; /* from this layer on the fetus has begun on all scanned rays; at least 1, because
                           cutting at depth 0 may cost nothing */
@@ -49,14 +49,15 @@ static u8l level_at(const cell_rays_t *s, const rays_t *r, uint z) {
 }
 
 /* Multiplies probabilities, rounding half up. */
-static u16l share(u16l value, u16l chance) {
-    const u16l low = ((value * chance >> (ushort)1) + (ushort)(SV_WALL_PROBABILITY_ONE / 4)) >> (ushort)14;
-    return (high_of(value, chance) << (ushort)1) + low;
+static u16l share(u16l value, u16l probability) {
+    const u16l low =
+        ((value * probability >> (ushort)1) + (ushort)(SV_WALL_PROBABILITY_ONE / 4)) >> (ushort)14;
+    return (high_of(value, probability) << (ushort)1) + low;
 }
 
 /* Multiplies a cost of at most 13 bits by probabilities, rounding down. */
-static u16l share_of_cost(uint cost, u16l chance) {
-    return high_of((u16l)((ushort)(2 * cost)), chance);
+static u16l share_of_cost(uint cost, u16l probability) {
+    return high_of((u16l)((ushort)(2 * cost)), probability);
 }
 
 /* Returns how certain fluid is: fully where it is `known`, else by the level of its darkest block. */
@@ -67,10 +68,10 @@ static u16l certainty_of(const sv_wall_layout *l, u8l level, i16l known) {
 }
 
 /* Looks up the probabilities of the brightnesses of HALF cells. */
-static void find_chances(const cell_rays_t *s, uint z) {
+static void find_probabilities(const cell_rays_t *s, uint z) {
     __global const uchar *brightness = s->brightness + z * s->cell_pitch;
     ROLLED_LOADS
-    for (uint i = 0; i < HALF; i++) ((__global uint *)(s->chance + z))[i] = s->chances[brightness[i]];
+    for (uint i = 0; i < HALF; i++) ((__global uint *)(s->by_layer + z))[i] = s->by_brightness[brightness[i]];
 }
 
 /* The state of the forward pass: the probability that the fetus has not begun before this run, and so far;
@@ -82,23 +83,23 @@ typedef struct {
     u16l certain;           /* that there is fluid in front of the run */
 } forward_t;
 
-static i32h has_bit(u32h kinds, uint bit) {
-    return REINTERPRET(kinds * (0x80000000u / bit), i32h) < (i32h)(0);
+static i32h has_bit(u32h flags, uint bit) {
+    return REINTERPRET(flags * (0x80000000u / bit), i32h) < (i32h)(0);
 }
 
 /* Changes the probabilities that were looked up by what surrounds the cells. Enclosed tissue is judged like
  * a first run. A first run that the fetus flanks is judged like a later one; what it reaches from one side
  * is moved by `one_side` from the one probability to the other. */
-static u32h chances_at(const sv_wall_layout *l, const cell_rays_t *s, uint z) {
+static u32h probabilities_at(const sv_wall_layout *l, const cell_rays_t *s, uint z) {
     u8h cells;
-    for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->kinds[i * s->word_pitch + z];
-    const u32h looked_up = s->chance[z], kinds = HALF_TO_U32(cells);
+    for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->flags[i * s->word_pitch + z];
+    const u32h looked_up = s->by_layer[z], flags = HALF_TO_U32(cells);
     const u32h any = looked_up >> 16u, first = looked_up & 0xffffu;
     const u32h part =
         ((any - first) * l->one_side + (uint)(SV_WALL_PROBABILITY_ONE / 2)) / (uint)SV_WALL_PROBABILITY_ONE;
-    const u32h beside = SELECT(first, first + part, has_bit(kinds, CELL_ADJACENT));
-    return SELECT(any, first, has_bit(kinds, CELL_ENCLOSED)) << 16u |
-           SELECT(beside, any, has_bit(kinds, CELL_FLANKED));
+    const u32h beside = SELECT(first, first + part, has_bit(flags, CELL_ADJACENT));
+    return SELECT(any, first, has_bit(flags, CELL_ENCLOSED)) << 16u |
+           SELECT(beside, any, has_bit(flags, CELL_FLANKED));
 }
 
 /* Accumulates the probability that the fetus has begun. `both`: probabilities of the cells, of a later run *
@@ -108,20 +109,20 @@ static void forward_fetus(const sv_wall_layout *l, rays_t *r, uint z, u16l tissu
     const u16l first = REINTERPRET((both & 0xffffu) | both << 16u, u16l);
     const u16l in_run = AS_U16(r->touches & (r->run_end > (i16l)((short)z))) & tissue;
     const i16l behind_skin = r->run <= (i16l)((short)z - (short)l->skin); /* the skin tells nothing */
-    const u16l chance = SELECT(any, first & AS_U16(behind_skin), in_run);
-    w->maximum = MAXIMUM(w->maximum, chance) & tissue;
+    const u16l probability = SELECT(any, first & AS_U16(behind_skin), in_run);
+    w->maximum = MAXIMUM(w->maximum, probability) & tissue;
     w->now = SELECT(w->now, w->before - share(w->before, w->maximum), tissue);
     w->before = SELECT(w->now, w->before, tissue);
-    const u16l begun = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
-    r->in_run = SELECT(r->in_run, begun, in_run);
-    r->begun_at[z] = begun;
+    const u16l fetus = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
+    r->in_run = SELECT(r->in_run, fetus, in_run);
+    r->fetus_at[z] = fetus;
 }
 
 /* The same in a layer without tissue. */
 static void forward_no_tissue(rays_t *r, uint z, forward_t *w) {
     w->maximum = (u16l)(0);
     w->before = w->now;
-    r->begun_at[z] = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
+    r->fetus_at[z] = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
 }
 
 /* Adds to the doubt what the runs that have ended have of it. They have none left then. */
@@ -174,7 +175,7 @@ static void forward_end(rays_t *r, forward_t *w) {
     const i16l in_front = ~(r->touches & (r->run_end < r->end));
     r->fluid = r->run_end & ~in_front;
     r->fluid_end = SELECT(r->fluid_end, r->run, in_front);
-    r->begun = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
+    r->fetus = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
 }
 
 /* Loads the levels of both rows in layer z, and looks up the probabilities of tissue a layer ahead: what was
@@ -184,7 +185,7 @@ static void load_levels(const sv_wall_layout *l, const cell_rays_t *s, uint z, u
     if (z == s->layers.to) return;
     UNROLL for (uint i = 0; i < 2; i++) levels[i] = level_at(s, &s->rays[i], z);
     if (s->certain_from == l->layers && any_byte(tissue_of(levels[0]) | tissue_of(levels[1])))
-        find_chances(s, z);
+        find_probabilities(s, z);
 }
 
 /* Accumulates the probability in layer z, and the doubt. Once the fetus has begun on all rays, neither
@@ -197,9 +198,9 @@ static void forward_layer(const sv_wall_layout *l, cell_rays_t *s, uint z, const
         UNROLL for (uint i = 0; i < 2; i++) forward_no_tissue(&r[i], z, &w[i]);
         return;
     }
-    const u32h chances = chances_at(l, s, z);
+    const u32h probabilities = probabilities_at(l, s, z);
     UNROLL for (uint i = 0; i < 2; i++)
-        forward_fetus(l, &r[i], z, AS_U16(words_of(tissue[i])), chances, &w[i]);
+        forward_fetus(l, &r[i], z, AS_U16(words_of(tissue[i])), probabilities, &w[i]);
     const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
     if (z == 0 || any_word(open)) return;
     s->certain_from = z;
@@ -232,10 +233,10 @@ static u16l error_cost(const sv_wall_layout *l, const cell_rays_t *s, const rays
     const uint skin = z + l->skin;
     if (skin < min(l->layers, s->certain_from)) { /* from there on the fetus has begun */
         const i16l over = r->touches & (r->run_end > (i16l)((short)skin));
-        if (any_word(over)) later += (r->in_run - r->begun_at[skin]) & AS_U16(over);
+        if (any_word(over)) later += (r->in_run - r->fetus_at[skin]) & AS_U16(over);
     }
     u16l cost = share_of_cost(l->occluder_cost, later);
-    if (z > 0 || !s->bare) cost += share_of_cost(l->cut_cost, r->begun_at[z]);
+    if (z > 0 || !s->bare) cost += share_of_cost(l->cut_cost, r->fetus_at[z]);
     const i16l other = (at < r->fluid) | (at >= r->fluid_end);
     return cost + (wrong_fluid & AS_U16(other));
 }
@@ -267,16 +268,16 @@ static void backward_begin(const sv_wall_layout *l, const rays_t *r, backward_t 
     w->darkest = (u8l)(SV_WALL_TISSUE);
     w->later = r->doubt;
     w->cut = share_of_cost(l->occluder_cost, r->doubt) + (ushort)l->cut_cost;
-    w->run_end = r->begun;
-    w->wrong_fluid = share_of_cost(SV_WALL_COST_ONE, (u16l)(SV_WALL_PROBABILITY_ONE)-r->begun);
+    w->run_end = r->fetus;
+    w->wrong_fluid = share_of_cost(SV_WALL_COST_ONE, (u16l)(SV_WALL_PROBABILITY_ONE)-r->fetus);
 }
 
-/* Adds the probability `chance` that the fetus begins with the run behind, on rays where layer z is the last
- * of tissue in front of its fluid, by how certain that is fluid. The doubt is there already. */
-static void add_later(const sv_wall_layout *l, const rays_t *r, uint z, u16l chance, u16l last,
+/* Adds the probability `probability` that the fetus begins with the run behind, on rays where layer z is the
+ * last of tissue in front of its fluid, by how certain that is fluid. The doubt is there already. */
+static void add_later(const sv_wall_layout *l, const rays_t *r, uint z, u16l probability, u16l last,
                       backward_t *w) {
     const i16l ends_first = r->touches & (r->run_end == (i16l)((short)(z + 1)));
-    w->later += share(chance, certainty_of(l, w->darkest, ends_first)) & last;
+    w->later += share(probability, certainty_of(l, w->darkest, ends_first)) & last;
 }
 
 /* Returns what LANES rays pay in layer z. */
@@ -286,9 +287,9 @@ static u16l backward_step(const sv_wall_layout *l, const cell_rays_t *s, const r
     const u8l before = r->near_at[z], fluid = AS_U8(before == (u8l)(0)), last = tissue & w->fluid_behind;
     u16l wrong = w->cut; /* where the fetus has begun */
     if (z < s->certain_from) {
-        const u16l begun = r->begun_at[z];
-        if (any_byte(last)) add_later(l, r, z, w->run_end - begun, AS_U16(words_of(last)), w);
-        w->run_end = SELECT(w->run_end, begun, AS_U16(words_of(tissue & ~w->behind)));
+        const u16l fetus = r->fetus_at[z];
+        if (any_byte(last)) add_later(l, r, z, w->run_end - fetus, AS_U16(words_of(last)), w);
+        w->run_end = SELECT(w->run_end, fetus, AS_U16(words_of(tissue & ~w->behind)));
         w->darkest = SELECT(MINIMUM(w->darkest, level), (u8l)(SV_WALL_TISSUE), tissue);
         wrong = error_cost(l, s, r, z, w->later, w->wrong_fluid);
     }
@@ -347,7 +348,7 @@ static ulong sum_lanes(u16l values) {
  * each row. */
 __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                          __global const uchar *restrict levels, __global const uchar *restrict brightness,
-                         __global ulong *restrict kinds, __global ushort *restrict rays,
+                         __global ulong *restrict flags, __global ushort *restrict rays,
                          __global uint *restrict scratch, __global ushort *restrict costs,
                          __global ulong *restrict fetus) {
     const uint row = (uint)get_global_id(0);
@@ -356,25 +357,25 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
                      .cell_pitch = padded_cells_of(&l),
                      .word_pitch = padded_layers_of(&l),
                      .bare = info[SV_WALL_INFO_BARE] != 0,
-                     .chances = info + SV_WALL_INFO_CHANCES};
-    s.chance = (__global u32h *)(scratch + (size_t)row * scratch_words);
-    s.rays[0].begun_at = (__global u16l *)(s.chance + l.layers);
-    s.rays[1].begun_at = s.rays[0].begun_at + l.layers;
-    s.rays[0].near_at = (__global u8l *)(s.rays[1].begun_at + l.layers);
+                     .by_brightness = info + SV_WALL_INFO_PROBABILITIES};
+    s.by_layer = (__global u32h *)(scratch + (size_t)row * scratch_words);
+    s.rays[0].fetus_at = (__global u16l *)(s.by_layer + l.layers);
+    s.rays[1].fetus_at = s.rays[0].fetus_at + l.layers;
+    s.rays[0].near_at = (__global u8l *)(s.rays[1].fetus_at + l.layers);
     s.rays[1].near_at = s.rays[0].near_at + l.layers;
     ulong sum = 0;
-    find_flanked_in_row(&l, row, extent_of_row(&l, rays, row), kinds);
+    find_flanked_in_row(&l, row, extent_of_row(&l, rays, row), flags);
     for (uint x = 0; x < vectors_of(&l); x++) {
         const size_t at = cell_row(&l, 0, row) + x * HALF;
         s.layers = changing_layers(&l, extent_of_vector(&l, rays, row, x));
         s.brightness = brightness + at;
-        s.kinds = kinds + word_column(&l, row, x * WORDS_OF_HALF);
+        s.flags = flags + word_column(&l, row, x * WORDS_OF_HALF);
         UNROLL for (uint i = 0; i < 2; i++) {
             s.rays[i].levels = levels + level_row(&l, 0, 2 * row + i) + x * LANES;
             load_rays(&l, rays, x, 2 * row + i, &s.rays[i]);
         }
         forward_pass(&l, &s);
-        UNROLL for (uint i = 0; i < 2; i++) sum += sum_lanes(s.rays[i].begun & AS_U16(s.rays[i].scanned));
+        UNROLL for (uint i = 0; i < 2; i++) sum += sum_lanes(s.rays[i].fetus & AS_U16(s.rays[i].scanned));
         backward_pass(&l, &s, costs + at);
     }
     fetus[row] = sum;

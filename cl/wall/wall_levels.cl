@@ -146,8 +146,8 @@ static uint probability(const sv_wall_layout *l, __global const uint *tables, in
 
 /* Returns the probability that tissue of a brightness is the fetus. `from`: ln of the odds of the wall's
  * brightness. */
-static uint chance_of(const sv_wall_layout *l, __global const uint *tables, uint bright, int from, int spread,
-                      bool first) {
+static uint probability_of(const sv_wall_layout *l, __global const uint *tables, uint bright, int from,
+                           int spread, bool first) {
     const int more = odds(tables, bright * SV_WALL_LEVEL_ONE) - from;
     const int above = more * (1 << SV_WALL_ODDS_BITS) / spread - l->fetus_level;
     return probability(l, tables, first ? above - l->first_run_extra : above);
@@ -175,9 +175,10 @@ __kernel void wall_evidence(sv_wall_layout l, __global const uint *restrict hist
     }
     const int from = odds(tables, wall);
     for (uint i = item; i < 256; i += items) {
-        const uint any = chance_of(&l, tables, i, from, spread, false);
-        const bool is_least = i == 0 || chance_of(&l, tables, i - 1, from, spread, false) < SV_WALL_LIKELY;
-        info[SV_WALL_INFO_CHANCES + i] = any << 16 | chance_of(&l, tables, i, from, spread, true);
+        const uint any = probability_of(&l, tables, i, from, spread, false);
+        const bool is_least =
+            i == 0 || probability_of(&l, tables, i - 1, from, spread, false) < SV_WALL_LIKELY;
+        info[SV_WALL_INFO_PROBABILITIES + i] = any << 16 | probability_of(&l, tables, i, from, spread, true);
         /* probabilities grow with the brightness, so one work item writes */
         if (any >= SV_WALL_LIKELY && is_least) info[SV_WALL_INFO_FETUS] = i;
         if (any < SV_WALL_LIKELY && i == 255) info[SV_WALL_INFO_FETUS] = 256;

@@ -119,24 +119,24 @@ static void find_ends(const sv_wall_layout *l, const window_t *w, __global const
     *far = MAXIMUM(end, place);
 }
 
-/* Finds the minima of LANES rays, and what they cost. `places`: where they lie in the first plane. */
-static void find_minima(const sv_wall_layout *l, __global const u16l *costs, __global float *places) {
-    const size_t plane = place_row(l, 1, 0);
+/* Finds the minima of LANES rays, and what they cost. `planes`: where they lie in the first plane. */
+static void find_minima(const sv_wall_layout *l, __global const u16l *costs, __global float *planes) {
+    const size_t plane = plane_row(l, 1, 0);
     u16l minimum;
     const u16l best = minimum_layer(l, costs, &minimum);
     const window_t w = window_of(l, costs, best, minimum + (ushort)max(l->average_margin, l->knob_margin));
     const f32l mean = mean_around(&w, costs, best, minimum + (ushort)l->average_margin);
-    *(__global f32l *)(places + PLACE_LAYER * plane) = mean;
-    *(__global f32l *)(places + PLACE_COST * plane) = TO_F32(minimum) / (float)SV_WALL_FINE_COST_ONE;
+    *(__global f32l *)(planes + PLANE_LAYER * plane) = mean;
+    *(__global f32l *)(planes + PLANE_COST * plane) = TO_F32(minimum) / (float)SV_WALL_FINE_COST_ONE;
     find_ends(l, &w, costs, best, minimum + (ushort)l->knob_margin, mean,
-              (__global f32l *)(places + PLACE_NEAR * plane), (__global f32l *)(places + PLACE_FAR * plane));
+              (__global f32l *)(planes + PLANE_NEAR * plane), (__global f32l *)(planes + PLANE_FAR * plane));
 }
 
-/* One work item per row of rays. `scratch`: words of 32 bits, scratch_words a row. `places`: the planes of
+/* One work item per row of rays. `scratch`: words of 32 bits, scratch_words a row. `planes`: the planes of
  * the layers, and of the ends around them. */
 __kernel void wall_minimum(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                            __global const ushort *restrict fine, __global uint *restrict scratch,
-                           __global float *restrict places) {
+                           __global float *restrict planes) {
     const uint row = (uint)get_global_id(0), beside = cell_beside(row, l.cells[1]);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     __global u16l *costs = (__global u16l *)(scratch + (size_t)row * scratch_words);
@@ -144,6 +144,6 @@ __kernel void wall_minimum(sv_wall_layout l, uint scratch_words, __global const 
         for (uint z = 0; z < l.layers; z++)
             costs[z] = between_cells(fine + fine_row(&l, z, row / 2) + x * HALF,
                                      fine + fine_row(&l, z, beside) + x * HALF);
-        find_minima(&l, costs, places + place_row(&l, 0, row) + x * LANES);
+        find_minima(&l, costs, planes + plane_row(&l, 0, row) + x * LANES);
     }
 }

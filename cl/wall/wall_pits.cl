@@ -15,11 +15,11 @@ static float16 extreme(float16 a, float16 b, bool least) {
 /* Loads 16 places of row `y`, and `beyond` where a ray was not scanned. Without `rays` all count. */
 static float16 scanned_places(const sv_wall_layout *l, __global const ushort *rays,
                               __global const float *plane, uint y, uint x, float beyond) {
-    const float16 places = *(__global const float16 *)(plane + place_row(l, 0, y) + x);
-    if (!rays) return places;
+    const float16 planes = *(__global const float16 *)(plane + plane_row(l, 0, y) + x);
+    if (!rays) return planes;
     const ushort16 first = *(__global const ushort16 *)(rays + block_row(l, RAY_FIRST, y) + x);
     const ushort16 end = *(__global const ushort16 *)(rays + block_row(l, RAY_END, y) + x);
-    return select((float16)(beyond), places, convert_int16(as_short16(first < end)));
+    return select((float16)(beyond), planes, convert_int16(as_short16(first < end)));
 }
 
 /* Finds the extremes of a plane down the rows near `row`, for every column. The line goes on with `beyond` to
@@ -54,14 +54,14 @@ static __global float *line_of_row(__global uint *scratch, uint row, uint scratc
  * 32 bits for each row. */
 __kernel void wall_erode(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
                          __global const ushort *restrict rays, __global uint *restrict scratch,
-                         __global float *restrict places) {
+                         __global float *restrict planes) {
     const uint row = (uint)get_global_id(0);
     __global float *line = line_of_row(scratch, row, scratch_words);
     const uint2 reach = opening_of(&l, info);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    for (uint i = 0; i < PLACE_MEDIANS; i++) {
-        __global float *eroded = places + place_row(&l, eroded_plane(i), row);
-        extremes_down(&l, reach, rays, places + place_row(&l, PLACE_MEDIAN + i, 0), row, true, line);
+    for (uint i = 0; i < PLANE_MEDIANS; i++) {
+        __global float *eroded = planes + plane_row(&l, eroded_plane(i), row);
+        extremes_down(&l, reach, rays, planes + plane_row(&l, PLANE_MEDIAN + i, 0), row, true, line);
         for (uint x = 0; x < l.columns; x += SV_LANES)
             *(__global float16 *)(eroded + x) = extremes_across(reach, line + x, true);
     }
@@ -70,14 +70,14 @@ __kernel void wall_erode(sv_wall_layout l, uint scratch_words, __global const ui
 /* One work item per row of rays, after wall_erode: the maxima of these minima, if they are less than the
  * medians. */
 __kernel void wall_open(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
-                        __global uint *restrict scratch, __global float *restrict places) {
+                        __global uint *restrict scratch, __global float *restrict planes) {
     const uint row = (uint)get_global_id(0);
     __global float *line = line_of_row(scratch, row, scratch_words);
     const uint2 reach = opening_of(&l, info);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    for (uint i = 0; i < PLACE_MEDIANS; i++) {
-        __global float *place = places + place_row(&l, PLACE_MEDIAN + i, row);
-        extremes_down(&l, reach, NULL, places + place_row(&l, eroded_plane(i), 0), row, false, line);
+    for (uint i = 0; i < PLANE_MEDIANS; i++) {
+        __global float *place = planes + plane_row(&l, PLANE_MEDIAN + i, row);
+        extremes_down(&l, reach, NULL, planes + plane_row(&l, eroded_plane(i), 0), row, false, line);
         for (uint x = 0; x < l.columns; x += SV_LANES)
             *(__global float16 *)(place + x) =
                 fmin(*(__global const float16 *)(place + x), extremes_across(reach, line + x, false));

@@ -91,7 +91,7 @@ static void fill_dim_fronts(const sv_wall_layout *l, __global uchar *relative, u
 __kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict info,
                               __global uchar *restrict levels, __global const uchar *restrict row_maxima,
                               __global uchar *restrict brightness, __global ushort *restrict rays,
-                              __global uint *restrict histograms, __global ulong *restrict kinds,
+                              __global uint *restrict histograms, __global ulong *restrict flags,
                               __global const uint *restrict fronts) {
     const uint row = (uint)get_global_id(0);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
@@ -114,16 +114,16 @@ __kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict in
             ray_row(rays, &l, RAY_RUN_END, line)[x] = AS_U16(w.end);
             count_walls(&l, &w, first, end, histograms);
         }
-    classify_row(&l, levels, rays, row, in_row, kinds);
+    classify_row(&l, levels, rays, row, in_row, flags);
 }
 
 /* One work item per word of cells of a row and SV_WALL_LAYERS layers. It finds the flags of the cells of its
  * columns, but for what the fetus reaches in their rows. */
 __kernel void wall_surroundings(sv_wall_layout l, __global const uint *restrict info,
-                                __global const uchar *restrict brightness, __global ulong *restrict kinds) {
+                                __global const uchar *restrict brightness, __global ulong *restrict flags) {
     const uint word = (uint)get_global_id(0) % words_of_row(&l),
                z = (uint)get_global_id(0) / words_of_row(&l) * SV_WALL_LAYERS;
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    sweep_columns(&l, brightness, info[SV_WALL_INFO_FETUS], word, z, kinds + word_column(&l, 0, word) + z,
+    sweep_columns(&l, brightness, info[SV_WALL_INFO_FETUS], word, z, flags + word_column(&l, 0, word) + z,
                   word_column(&l, 1, 0));
 }

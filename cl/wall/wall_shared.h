@@ -63,21 +63,21 @@
 #define SV_WALL_VECTOR_BITS   24 /* and of blocks a millimetre */
 
 /* Words of what is known of the frame. */
-#define SV_WALL_INFO_OUTCOME   0
-#define SV_WALL_INFO_THRESHOLD 1
-#define SV_WALL_INFO_BRIGHT    2 /* mean of the bright class, in units of 1 / SV_WALL_LEVEL_ONE */
-#define SV_WALL_INFO_RAYS      3
-#define SV_WALL_INFO_WALL_RAYS 4
-#define SV_WALL_INFO_FLUID     5   /* the darkest blocks have at most this grey level */
-#define SV_WALL_INFO_DOUBTFUL  6   /* 1: the surface is doubtful */
-#define SV_WALL_INFO_BARE      7   /* 1: there is no wall */
-#define SV_WALL_INFO_CHANCES   8   /* of 256 brightnesses: p of a later run * 65536 + p of a first run */
-#define SV_WALL_INFO_FETUS     264 /* from this brightness on a cell of a later run is the fetus; 256: none */
-#define SV_WALL_INFO_FOUND     265 /* of 1000: the share that the outcome is about, */
-#define SV_WALL_INFO_WANTED    266 /* and the limit that it was held to */
-#define SV_WALL_INFO_LAST      267 /* the outcome as sv_wall_layout.last has it; the next frame reads it */
-#define SV_WALL_INFO_GAINS     268 /* what levels are multiplied by, for each brightness around them */
-#define SV_WALL_INFO_WORDS     (268 + SV_WALL_GAINS)
+#define SV_WALL_INFO_OUTCOME       0
+#define SV_WALL_INFO_THRESHOLD     1
+#define SV_WALL_INFO_BRIGHT        2 /* mean of the bright class, in units of 1 / SV_WALL_LEVEL_ONE */
+#define SV_WALL_INFO_RAYS          3
+#define SV_WALL_INFO_WALL_RAYS     4
+#define SV_WALL_INFO_FLUID         5 /* the darkest blocks have at most this grey level */
+#define SV_WALL_INFO_DOUBTFUL      6 /* 1: the surface is doubtful */
+#define SV_WALL_INFO_BARE          7 /* 1: there is no wall */
+#define SV_WALL_INFO_PROBABILITIES 8 /* of 256 brightnesses: p of a later run * 65536 + p of a first run */
+#define SV_WALL_INFO_FETUS         264 /* from this brightness on a cell of a later run is the fetus; 256: none */
+#define SV_WALL_INFO_FOUND         265 /* of 1000: the share that the outcome is about, */
+#define SV_WALL_INFO_WANTED        266 /* and the limit that it was held to */
+#define SV_WALL_INFO_LAST          267 /* the outcome as sv_wall_layout.last has it; the next frame reads it */
+#define SV_WALL_INFO_GAINS         268 /* what levels are multiplied by, for each brightness around them */
+#define SV_WALL_INFO_WORDS         (268 + SV_WALL_GAINS)
 
 /* Without a surface depth and confidence are 0, and nothing is clipped. */
 typedef enum {

@@ -27,30 +27,30 @@ static float16 load_places(__global const float *row, uint x, int step, uint col
 static void neighbours(const sv_wall_layout *l, __global const float *plane, uint x, uint y, float16 *out) {
     const int dx = (int)l->median_step[0], dy = (int)l->median_step[1];
     for (int v = -1; v <= 1; v++) {
-        __global const float *row = plane + place_row(l, 0, clamped(y, v * dy, l->rows));
+        __global const float *row = plane + plane_row(l, 0, clamped(y, v * dy, l->rows));
         for (int u = -1; u <= 1; u++) *out++ = load_places(row, x, u * dx, l->columns);
     }
 }
 
 /* Returns the medians of 16 rays of a plane. */
-static float16 median_at(const sv_wall_layout *l, __global const float *places, uint plane, uint x, uint y) {
+static float16 median_at(const sv_wall_layout *l, __global const float *planes, uint plane, uint x, uint y) {
     float16 near[9];
-    neighbours(l, places + place_row(l, plane, 0), x, y, near);
+    neighbours(l, planes + plane_row(l, plane, 0), x, y, near);
     return l->median ? median(near) : near[4];
 }
 
 /* One work item per row of rays: the medians of the layers and of the ends around them. */
 __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
-                          __global float *restrict places) {
+                          __global float *restrict planes) {
     const uint y = (uint)get_global_id(0);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    __global float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
-    __global float *near = places + place_row(&l, PLACE_MEDIAN_NEAR, y);
-    __global float *far = places + place_row(&l, PLACE_MEDIAN_FAR, y);
+    __global float *filtered = planes + plane_row(&l, PLANE_MEDIAN, y);
+    __global float *near = planes + plane_row(&l, PLANE_MEDIAN_NEAR, y);
+    __global float *far = planes + plane_row(&l, PLANE_MEDIAN_FAR, y);
     for (uint x = 0; x < l.columns; x += SV_LANES) {
-        *(__global float16 *)(filtered + x) = median_at(&l, places, PLACE_LAYER, x, y);
-        *(__global float16 *)(near + x) = median_at(&l, places, PLACE_NEAR, x, y);
-        *(__global float16 *)(far + x) = median_at(&l, places, PLACE_FAR, x, y);
+        *(__global float16 *)(filtered + x) = median_at(&l, planes, PLANE_LAYER, x, y);
+        *(__global float16 *)(near + x) = median_at(&l, planes, PLANE_NEAR, x, y);
+        *(__global float16 *)(far + x) = median_at(&l, planes, PLANE_FAR, x, y);
     }
 }
 
@@ -86,7 +86,7 @@ static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __gl
  * rays that begin in the fluid. */
 __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
                         __global const uchar *restrict levels, __global const uchar *restrict relative,
-                        __global ushort *restrict rays, __global const float *restrict places,
+                        __global ushort *restrict rays, __global const float *restrict planes,
                         __global ulong *restrict gaps) {
     const uint row = (uint)get_global_id(0);
     ulong sums[3] = {0, 0, 0};
@@ -101,7 +101,7 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
             for (uint i = 0; i < min((uint)LANES, l.columns - x); i++) {
                 ((short *)&is_ray)[i] = -1;
                 ((short *)&at)[i] = (short)gap_layer(&l, from + i, rays[block_row(&l, RAY_FIRST, y) + x + i],
-                                                     places[place_row(&l, PLACE_MEDIAN, y) + x + i]);
+                                                     planes[plane_row(&l, PLANE_MEDIAN, y) + x + i]);
             }
             add_gaps(&l, levels + level_row(&l, 0, y) + x, from, first, end & is_ray,
                      extent_of_vector(&l, rays, row, x / LANES), info[SV_WALL_INFO_FLUID], at, sums);
@@ -111,13 +111,13 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
 
 /* One work item per row of rays: the confidence. */
 __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict info,
-                              __global const uchar *restrict levels, __global float *restrict places) {
+                              __global const uchar *restrict levels, __global float *restrict planes) {
     const uint y = (uint)get_global_id(0);
     const size_t pitch = level_pitch_of(&l);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
-    __global const float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
-    __global const float *costs = places + place_row(&l, PLACE_COST, y);
-    __global float *confidence = places + place_row(&l, PLACE_LAYER, y);
+    __global const float *filtered = planes + plane_row(&l, PLANE_MEDIAN, y);
+    __global const float *costs = planes + plane_row(&l, PLANE_COST, y);
+    __global float *confidence = planes + plane_row(&l, PLANE_LAYER, y);
     levels += level_row(&l, 0, y);
     ROLLED_LOADS
     for (uint x = 0; x < l.columns; x++)
@@ -131,13 +131,13 @@ __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict in
  * q = 1, linear to either side of 0.5. In tissue it goes back to the fluid. */
 __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
                         __global const uchar *restrict levels, __global const ushort *restrict rays,
-                        __global float *restrict places) {
+                        __global float *restrict planes) {
     const uint y = (uint)get_global_id(0);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const float part = fabs(2.0f * l.q - 1.0f);
-    __global const float *filtered = places + place_row(&l, PLACE_MEDIAN, y);
-    __global const float *end = places + place_row(&l, l.q < 0.5f ? PLACE_MEDIAN_FAR : PLACE_MEDIAN_NEAR, y);
-    __global float *surface = places + place_row(&l, PLACE_SURFACE, y);
+    __global const float *filtered = planes + plane_row(&l, PLANE_MEDIAN, y);
+    __global const float *end = planes + plane_row(&l, l.q < 0.5f ? PLANE_MEDIAN_FAR : PLANE_MEDIAN_NEAR, y);
+    __global float *surface = planes + plane_row(&l, PLANE_SURFACE, y);
     for (uint x = 0; x < l.columns; x += SV_LANES) {
         const float16 place = *(__global const float16 *)(filtered + x);
         const float16 at = place + part * (*(__global const float16 *)(end + x) - place);
@@ -168,25 +168,25 @@ static void copy_rays(const sv_wall_layout *l, __global const float *surface, __
 
 /* One work item per row of pixels. The depthmap at q, from value `first` on; zeros if there is no surface. */
 __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info,
-                            __global const float *restrict places, __global float *restrict confidence,
+                            __global const float *restrict planes, __global float *restrict confidence,
                             ulong first, __global float *restrict depths) {
     const uint y = (uint)get_global_id(0);
     const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
     const float most = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f;
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     between_t at = between(0, l.width, l.columns);
-    __global const float *surface = places + place_row(&l, PLACE_SURFACE, 0);
+    __global const float *surface = planes + plane_row(&l, PLANE_SURFACE, 0);
     depths += first + (size_t)y * l.width;
     confidence += (size_t)y * l.width;
     if (wanted && l.width == l.columns && l.height == l.rows) {
-        copy_rays(&l, surface + place_row(&l, 0, y), places + place_row(&l, 0, y), most, depths, confidence);
+        copy_rays(&l, surface + plane_row(&l, 0, y), planes + plane_row(&l, 0, y), most, depths, confidence);
         return;
     }
     for (uint x = 0; x < l.width; x++) {
         const pair_t u = pair_of(at, l.width, l.columns);
         next_pixel(&at, l.width, l.columns);
         const float depth = (float)l.depth * interpolate(&l, surface, u, v);
-        const float certainty = most * fmin(interpolate(&l, places, u, v), 1.0f); /* weights are rounded */
+        const float certainty = most * fmin(interpolate(&l, planes, u, v), 1.0f); /* weights are rounded */
         depths[x] = wanted ? depth : 0.0f;
         confidence[x] = wanted ? certainty : 0.0f;
     }

@@ -49,7 +49,7 @@ static sv_status points_write(const sv_plugin *plugin, sv_points_report *out) {
     if (out->size < sizeof *out)
         return sva_blame(a, SV_ERR_SIZE, "points: size is %u, expected at least %zu", out->size, sizeof *out);
     if (a->state != SVA_FINISHED) return sva_blame(a, SV_ERR_STATE, "points: no finished frame");
-    if (!in->pipeline.chain.surveyed) return points_none(a);
+    if (!in->pipeline.chain.needs_profile) return points_none(a);
     sv_status status = sv_instance_check_process(in);
     if (status == SV_OK) status = sv_pipeline_read_points(&in->pipeline, out);
     if (status != SV_OK || !in->device.owned) return status;

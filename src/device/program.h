@@ -65,13 +65,13 @@ void sv_kernel_set_release(sv_kernel_set *set);
 
 /* What changes the code; the same names stand in cl/. */
 typedef struct {
-    uint32_t substeps; /* SV_SUBSTEPS */
-    uint32_t strip;    /* SV_STRIP: 16, 32, 64 */
-    bool padded;       /* SV_PADDED */
-    bool ranged;       /* SV_RANGED */
-    bool wide_sums;    /* SV_WIDE_SUMS */
-    bool fetch_ahead;  /* SV_FETCH_AHEAD */
-    bool surveyed;     /* the method takes points: the ray profiles are built, too */
+    uint32_t substeps;  /* SV_SUBSTEPS */
+    uint32_t strip;     /* SV_STRIP: 16, 32, 64 */
+    bool padded;        /* SV_PADDED */
+    bool ranged;        /* SV_RANGED */
+    bool wide_sums;     /* SV_WIDE_SUMS */
+    bool fetch_ahead;   /* SV_FETCH_AHEAD */
+    bool needs_profile; /* the method takes points: the ray profiles are built, too */
 } sv_structure;
 
 /* Builds the program. SV_ERR_BUILD: the build log is in the host's log. */

@@ -41,18 +41,18 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, const 
                               .strip = strip,
                               .padded = (config->padding < 256),
                               .ranged = config->ranged,
-                              .surveyed = sv_chain_is_surveyed(config),
+                              .needs_profile = sv_chain_needs_profile(config),
                               .fetch_ahead =
                                   (strip > 16) && (uint64_t)config->width * config->height * config->slices >
                                                       FETCH_AHEAD_BYTES};
     const bool needs_wide = sv_chain_needs_wide(config);
-    if (!structure.surveyed && !config->ranged) return SV_OK; /* the method's own kernels do it all */
+    if (!structure.needs_profile && !config->ranged) return SV_OK; /* the method's own kernels do it all */
     sv_status status = sv_program_build(in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {
         structure.wide_sums = true;
         status = sv_program_build(in->diag, &in->device, &structure, &in->wide);
     }
-    if (status == SV_OK && structure.surveyed)
+    if (status == SV_OK && structure.needs_profile)
         status =
             sv_selftest(in->diag, &in->device, &in->narrow, needs_wide ? &in->wide : NULL, config, activated);
     if (status != SV_OK) {
@@ -66,7 +66,7 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, const 
  * a ray has none: its programs are the same for all widths. */
 static sv_status build_kernels(sv_instance *in, const sv_config *config, const sv_values *activated) {
     const bool strips =
-        sv_chain_is_surveyed(config) && in->device.is_cpu && config->strategy != SV_STRATEGY_RAYS;
+        sv_chain_needs_profile(config) && in->device.is_cpu && config->strategy != SV_STRATEGY_RAYS;
     const uint32_t widest = !strips || config->width < 32 ? 16 : config->width < 64 ? 32 : 64;
     if (widest > 16) {
         if (build_and_test(in, config, activated, widest) == SV_OK) return SV_OK;

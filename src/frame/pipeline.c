@@ -49,7 +49,7 @@ static sv_status make_buffers(sv_pipeline *p) {
         b->host_slabs = sv_buffer_wrap(q, c->host_memory, c->host_memory_bytes, &status);
     else if (c->carrier != SV_CARRIER_BUFFER)
         b->slab = sv_buffer_make(q, p->slab_bytes * p->batch_slots, &status);
-    if (p->chain.surveyed) {
+    if (p->chain.needs_profile) {
         b->state8 = sv_buffer_make(q, SV_STATE8_PLANES * plane, &status);
         b->state16 = sv_buffer_make(q, plane * SV_STATE16_PLANES * sizeof(cl_ushort), &status);
         b->survey = sv_buffer_make(q, (size_t)p->map.bands * 257 * sizeof(cl_uint), &status);

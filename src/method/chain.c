@@ -15,18 +15,18 @@ static bool is_filtered(const sv_config *c) {
     return c->prefilter != SV_PREFILTER_NONE && !sv_method_of(c->method)->slabs;
 }
 
-bool sv_chain_is_surveyed(const sv_config *c) {
+bool sv_chain_needs_profile(const sv_config *c) {
     return sv_method_uses(sv_method_of(c->method), SV_PARAM_EVIDENCE);
 }
 
 bool sv_chain_needs_wide(const sv_config *c) {
-    return sv_chain_is_surveyed(c) && sv_map_needs_wide(c);
+    return sv_chain_needs_profile(c) && sv_map_needs_wide(c);
 }
 
 void sv_chain_init(sv_chain *chain, sv_map *map) {
     const sv_config *c = map->config;
     *chain = (sv_chain){.method = sv_method_of(c->method),
-                        .surveyed = sv_chain_is_surveyed(c),
+                        .needs_profile = sv_chain_needs_profile(c),
                         .filtered = is_filtered(c),
                         .map = map};
     chain->linear = chain->method->linear && !chain->filtered;

@@ -11,17 +11,17 @@
 
 typedef struct {
     const sv_method *method;
-    bool surveyed; /* initial points say whether there is a surface at all, whatever it is made of */
-    bool direct;   /* the method takes the sums of the points stage: nothing is gathered */
-    bool linear;   /* in the depths: one run serves every q */
-    bool filtered; /* the minimum filter comes first */
-    sv_map *map;   /* of the frame */
+    bool needs_profile; /* initial points say whether there is a surface at all, whatever it is made of */
+    bool direct;        /* the method takes the sums of the points stage: nothing is gathered */
+    bool linear;        /* in the depths: one run serves every q */
+    bool filtered;      /* the minimum filter comes first */
+    sv_map *map;        /* of the frame */
     sv_method_state state, filter; /* of the method, of the pre-filter */
     sv_kernel_set gather;
 } sv_chain;
 
 /* True if initial points say whether there is a surface at all: the frame needs ray profiles. */
-bool sv_chain_is_surveyed(const sv_config *config);
+bool sv_chain_needs_profile(const sv_config *config);
 
 /* True if some frame with this format can need 64-bit sums. */
 bool sv_chain_needs_wide(const sv_config *config);

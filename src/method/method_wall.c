@@ -11,7 +11,7 @@
 
 #include <stdlib.h>
 
-enum { RAY_PLANES = 4, PLACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
+enum { RAY_PLANES = 4, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
 
 /* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -80,14 +80,14 @@ static void find_bytes(const sv_map *m, const sv_wall_layout *l, size_t bytes[SV
     bytes[SV_WALL_WINDOWS] = cells * sizeof(cl_uint);
     bytes[SV_WALL_FRONTS] = l->cells[1] * sizeof(cl_uint);
     bytes[SV_WALL_ROW_MAXIMA] = bytes[SV_WALL_BRIGHT] = cells;
-    bytes[SV_WALL_KINDS] = sv_wall_kinds_bytes(l);
+    bytes[SV_WALL_FLAGS] = sv_wall_flags_bytes(l);
     bytes[SV_WALL_RAYS] = RAY_PLANES * plane * sizeof(cl_ushort);
     bytes[SV_WALL_HISTOGRAMS] = (size_t)l->cells[1] * HISTOGRAM_WORDS * sizeof(cl_uint);
     bytes[SV_WALL_INFO] = SV_WALL_INFO_WORDS * sizeof(cl_uint);
     bytes[SV_WALL_SCRATCH] = l->rows * scratch_words(m, l) * sizeof(cl_uint);
     bytes[SV_WALL_COSTS] = cells * sizeof(cl_ushort);
     bytes[SV_WALL_FINE] = fine * sizeof(cl_ushort);
-    bytes[SV_WALL_PLACES] = PLACE_PLANES * plane * sizeof(cl_float);
+    bytes[SV_WALL_PLANES] = SURFACE_PLANES * plane * sizeof(cl_float);
 }
 
 static sv_status buffers(const sv_map *m, sv_method_state *s) {

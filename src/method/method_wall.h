@@ -23,7 +23,7 @@ enum {
     SV_WALL_FRONTS,     /* for each row of cells, rays that begin with a few dark layers */
     SV_WALL_ROW_MAXIMA, /* brightness dilated along x */
     SV_WALL_BRIGHT,
-    SV_WALL_KINDS, /* of cells */
+    SV_WALL_FLAGS, /* of cells */
     SV_WALL_RAYS,
     SV_WALL_HISTOGRAMS, /* later the sums of probabilities, SV_WALL_FETUS; then SV_WALL_GAPS */
     SV_WALL_TABLES,
@@ -31,7 +31,7 @@ enum {
     SV_WALL_SCRATCH,
     SV_WALL_COSTS,
     SV_WALL_FINE, /* costs after the Gaussian */
-    SV_WALL_PLACES,
+    SV_WALL_PLANES,
     SV_WALL_CONFIDENCE,
     SV_WALL_BUFFERS,
     /* the same of a grid along the beams, from here on; SPANS, SUMS, RANGES, SMOOTHED, TABLES and CONFIDENCE
@@ -103,7 +103,7 @@ sv_wall_own *sv_wall_own_of(sv_method_state *state);
 size_t sv_wall_lanes_of(uint32_t values);
 
 /* Returns the bytes of the cells' classes: whole lanes and whole groups of SV_WALL_LAYERS layers. */
-size_t sv_wall_kinds_bytes(const sv_wall_layout *layout);
+size_t sv_wall_flags_bytes(const sv_wall_layout *layout);
 
 /* True if pixels have ranges. */
 bool sv_wall_is_bounded(const sv_config *config);

@@ -59,7 +59,7 @@ static sv_status take_slab(const sv_map *m, sv_method_state *s, const sv_placed_
     const sv_wall_layout layout = sv_wall_own_of(s)->camera;
     const bool padded = m->config->padding < 256;
     sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_RANGE], sv_wall_items_kernels[K_RANGE], from,
-                                 s->buffer[SV_WALL_PLACES]);
+                                 s->buffer[SV_WALL_PLANES]);
     sv_launch_arg(&l, sizeof layout, &layout);
     sv_launch_buffer(&l, s->buffer[SV_WALL_RANGES]);
     sv_status status = SV_OK;
@@ -67,7 +67,7 @@ static sv_status take_slab(const sv_map *m, sv_method_state *s, const sv_placed_
         status = sv_launch_pixels(&l, layout.width, layout.height, SV_STAGE_PROFILE);
     if (status != SV_OK) return status;
     l = sv_slab_launch(m, s->kernels.kernel[K_DOWNSAMPLE], sv_wall_items_kernels[K_DOWNSAMPLE], from,
-                       s->buffer[SV_WALL_PLACES]);
+                       s->buffer[SV_WALL_PLANES]);
     sv_launch_arg(&l, sizeof layout, &layout);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SPANS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SUMS]);
@@ -114,27 +114,27 @@ static const sv_wall_launch launches[] = {
                  SV_WALL_FRONTS, -1}},
     {K_EVIDENCE, SV_WALL_ONE_GROUP, .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
     {K_SURROUNDINGS, SV_WALL_EACH_LAYER,
-     .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_KINDS, -1}},
+     .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_FLAGS, -1}},
     {K_COSTS, SV_WALL_EACH_RAY,
-     .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_KINDS, SV_WALL_RAYS, SV_WALL_SCRATCH,
+     .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_FLAGS, SV_WALL_RAYS, SV_WALL_SCRATCH,
                  -1}},
     {K_CELLS, SV_WALL_GROUPS, .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, SV_WALL_COSTS, SV_WALL_FETUS, -1}},
     {K_DECIDE, SV_WALL_ONCE, .buffers = {SV_WALL_FETUS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {K_BLUR_Y, SV_WALL_EACH_CELL, .buffers = {SV_WALL_INFO, SV_WALL_COSTS, SV_WALL_SCRATCH, -1}},
     {K_BLUR_X, SV_WALL_EACH_CELL, .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, SV_WALL_FINE, -1}},
-    {K_MINIMUM, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_FINE, SV_WALL_PLACES, -1}},
-    {K_MEDIAN, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1}},
+    {K_MINIMUM, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_FINE, SV_WALL_PLANES, -1}},
+    {K_MEDIAN, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_PLANES, -1}},
     {K_GAPS, SV_WALL_GROUPS,
-     .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, SV_WALL_GAPS,
+     .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLANES, SV_WALL_GAPS,
                  -1},
      .when = SV_WALL_UNLESS_TOLD},
     {K_VERDICT, SV_WALL_ONCE, .buffers = {SV_WALL_GAPS, SV_WALL_TOLD, SV_WALL_INFO, -1},
      .takes = SV_WALL_RECORD},
-    {K_CONFIDENCE, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_PLACES, -1}},
-    {K_ERODE, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_RAYS, SV_WALL_PLACES, -1}},
-    {K_OPEN, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1}},
-    {K_KNOB, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, -1}},
-    {K_UPSAMPLE, SV_WALL_EACH_PIXEL, .buffers = {SV_WALL_INFO, SV_WALL_PLACES, SV_WALL_CONFIDENCE, -1},
+    {K_CONFIDENCE, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_PLANES, -1}},
+    {K_ERODE, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_RAYS, SV_WALL_PLANES, -1}},
+    {K_OPEN, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_PLANES, -1}},
+    {K_KNOB, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLANES, -1}},
+    {K_UPSAMPLE, SV_WALL_EACH_PIXEL, .buffers = {SV_WALL_INFO, SV_WALL_PLANES, SV_WALL_CONFIDENCE, -1},
      .takes = SV_WALL_DEPTH},
 };
 enum { COUNT = sizeof launches / sizeof *launches };

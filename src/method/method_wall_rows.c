@@ -41,7 +41,7 @@ sv_source sv_wall_rows_source(void) {
 static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slabs *from) {
     const sv_wall_layout layout = sv_wall_own_of(s)->camera;
     sv_launch l = sv_slabs_launch(m, s->kernels.kernel[K_DOWNSAMPLE], sv_wall_rows_kernels[K_DOWNSAMPLE],
-                                  from, s->buffer[SV_WALL_PLACES]);
+                                  from, s->buffer[SV_WALL_PLANES]);
     sv_launch_arg(&l, sizeof layout, &layout);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SPANS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_SUMS]);
@@ -83,32 +83,32 @@ static const sv_wall_launch launches[] = {
      .takes = SV_WALL_SCRATCH_WORDS},
     {K_FIRST_RUNS, SV_WALL_CELL_ROWS,
      .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_ROW_MAXIMA, SV_WALL_BRIGHT, SV_WALL_RAYS,
-                 SV_WALL_HISTOGRAMS, SV_WALL_KINDS, SV_WALL_FRONTS, -1}},
+                 SV_WALL_HISTOGRAMS, SV_WALL_FLAGS, SV_WALL_FRONTS, -1}},
     {K_EVIDENCE, SV_WALL_ONCE, .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
-    {K_SURROUNDINGS, SV_WALL_WORDS, .buffers = {SV_WALL_INFO, SV_WALL_BRIGHT, SV_WALL_KINDS, -1}},
+    {K_SURROUNDINGS, SV_WALL_WORDS, .buffers = {SV_WALL_INFO, SV_WALL_BRIGHT, SV_WALL_FLAGS, -1}},
     {K_COSTS, SV_WALL_CELL_ROWS,
-     .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_KINDS, SV_WALL_RAYS, SV_WALL_SCRATCH,
+     .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_FLAGS, SV_WALL_RAYS, SV_WALL_SCRATCH,
                  SV_WALL_COSTS, SV_WALL_FETUS, -1},
      .takes = SV_WALL_SCRATCH_WORDS},
     {K_DECIDE, SV_WALL_ONCE, .buffers = {SV_WALL_FETUS, SV_WALL_TOLD, SV_WALL_INFO, -1}},
     {K_BLUR, SV_WALL_CELL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_COSTS, SV_WALL_SCRATCH, SV_WALL_FINE, -1},
      .takes = SV_WALL_SCRATCH_WORDS},
-    {K_MINIMUM, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_FINE, SV_WALL_SCRATCH, SV_WALL_PLACES, -1},
+    {K_MINIMUM, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_FINE, SV_WALL_SCRATCH, SV_WALL_PLANES, -1},
      .takes = SV_WALL_SCRATCH_WORDS},
-    {K_MEDIAN, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_PLACES, -1}},
+    {K_MEDIAN, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_PLANES, -1}},
     {K_GAPS, SV_WALL_CELL_ROWS,
-     .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, SV_WALL_GAPS,
+     .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLANES, SV_WALL_GAPS,
                  -1},
      .when = SV_WALL_UNLESS_TOLD},
     {K_VERDICT, SV_WALL_ONCE, .buffers = {SV_WALL_GAPS, SV_WALL_TOLD, SV_WALL_INFO, -1},
      .takes = SV_WALL_RECORD},
-    {K_CONFIDENCE, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_PLACES, -1}},
-    {K_ERODE, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_RAYS, SV_WALL_SCRATCH, SV_WALL_PLACES, -1},
+    {K_CONFIDENCE, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_PLANES, -1}},
+    {K_ERODE, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_RAYS, SV_WALL_SCRATCH, SV_WALL_PLANES, -1},
      .takes = SV_WALL_SCRATCH_WORDS},
-    {K_OPEN, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, SV_WALL_PLACES, -1},
+    {K_OPEN, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_SCRATCH, SV_WALL_PLANES, -1},
      .takes = SV_WALL_SCRATCH_WORDS},
-    {K_KNOB, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLACES, -1}},
-    {K_UPSAMPLE, SV_WALL_PIXEL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_PLACES, SV_WALL_CONFIDENCE, -1},
+    {K_KNOB, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLANES, -1}},
+    {K_UPSAMPLE, SV_WALL_PIXEL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_PLANES, SV_WALL_CONFIDENCE, -1},
      .takes = SV_WALL_DEPTH},
 };
 enum { COUNT = sizeof launches / sizeof *launches };

@@ -19,7 +19,7 @@ static size_t layer_groups_of(const sv_wall_layout *l) {
     return ((size_t)l->layers + SV_WALL_LAYERS - 1) / SV_WALL_LAYERS;
 }
 
-size_t sv_wall_kinds_bytes(const sv_wall_layout *l) {
+size_t sv_wall_flags_bytes(const sv_wall_layout *l) {
     return sv_wall_lanes_of(l->cells[0]) * l->cells[1] * layer_groups_of(l) * SV_WALL_LAYERS;
 }
 

@@ -54,14 +54,14 @@ static void costs_of_ray(const sv_wall_layout *l, const uint32_t *costs, uint32_
 
 /* Planes of rays: the surface and the ends of the range that the knob moves it in, which are filtered, and
  * what the surface costs. */
-enum { NEAR, PLACE, FAR, FILTERED, COST = FILTERED, PLANES };
+enum { NEAR, LAYER, FAR, FILTERED, COST = FILTERED, PLANES };
 
 /* Returns how far behind `inside`, whose cost is below the limit, the cost crosses the limit, in layers. */
 static float crossing(uint32_t inside, uint32_t outside, uint32_t limit) {
     return (float)(limit - inside) / (float)(outside - inside);
 }
 
-/* Finds the minimum of a ray; of several equal ones the nearest to the viewer. PLACE is the mean of the
+/* Finds the minimum of a ray; of several equal ones the nearest to the viewer. LAYER is the mean of the
  * layers around it whose cost is within `average_margin` of the minimum, weighting each by how far it is
  * below that limit. NEAR and FAR are the ends of the layers around it within `knob_margin`. */
 static void find_minimum(const sv_wall_layout *l, const uint32_t *cost, float to[PLANES]) {
@@ -85,7 +85,7 @@ static void find_minimum(const sv_wall_layout *l, const uint32_t *cost, float to
     const float before = near > 0 ? crossing(cost[near], cost[near - 1], edge) : 0.0f;
     const float behind = far + 1 < layers ? crossing(cost[far], cost[far + 1], edge) : 0.0f;
     to[NEAR] = fminf((float)near - before, place);
-    to[PLACE] = place;
+    to[LAYER] = place;
     to[FAR] = fmaxf((float)far + behind, place);
     to[COST] = (float)cost[best] / SV_WALL_FINE_COST_ONE;
 }
@@ -188,7 +188,7 @@ static void apply_knob(const sv_wall_scan *scan, float *filtered) {
     const size_t count = (size_t)l->columns * l->rows;
     const float part = fabsf(2.0f * l->q - 1.0f);
     const float *const end = filtered + (l->q < 0.5f ? FAR : NEAR) * count;
-    float *const place = filtered + PLACE * count;
+    float *const place = filtered + LAYER * count;
     for (size_t ray = 0; ray < count; ray++) {
         const float at = place[ray] + part * (end[ray] - place[ray]);
         place[ray] = back_to_fluid(scan, ray, at > 0.0f ? at : 0.0f);
@@ -321,14 +321,14 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
     }
     if (done) {
         median_filter(l, layers, filtered);
-        find_confidence(scan, layers + COST * count, filtered + PLACE * count, layers, confidence);
-        count_gaps(scan, levels->fluid, filtered + PLACE * count, gaps);
+        find_confidence(scan, layers + COST * count, filtered + LAYER * count, layers, confidence);
+        count_gaps(scan, levels->fluid, filtered + LAYER * count, gaps);
         *outcome = told ? *told : sv_wall_verdict(l, gaps);
         /* a person who asks for it gets a surface all the same */
         if (*outcome == SV_WALL_NO_FLUID && l->clip_doubtful) *outcome = SV_WALL_DOUBTFUL;
         fill_pits(scan, *outcome == SV_WALL_DOUBTFUL, filtered, layers);
         apply_knob(scan, filtered);
-        interpolate(l, filtered + PLACE * count, (float)l->depth, depth);
+        interpolate(l, filtered + LAYER * count, (float)l->depth, depth);
     }
     free(costs);
     free(rows);

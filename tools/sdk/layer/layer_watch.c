@@ -38,7 +38,7 @@ static ly_watch *ly_watch_open(const sv_format *format) {
 }
 
 /* The objects of a frame are the layer's, too, until its end has returned. */
-static void let_go(ly_slot *s) {
+static void release_slot(ly_slot *s) {
     for (uint32_t n = 0; s && n < s->count; n++) {
         if (s->places[n].object) (void)clReleaseMemObject(s->places[n].object);
         s->places[n].object = NULL;
@@ -47,7 +47,7 @@ static void let_go(ly_slot *s) {
 
 void ly_watch_close(ly_watch *w) {
     if (!w) return;
-    let_go(w->now);
+    release_slot(w->now);
     for (int n = 0; n < LY_SLOTS; n++) {
         if (w->slots[n].done) { /* it reads into the block */
             (void)clWaitForEvents(1, &w->slots[n].done);
@@ -174,7 +174,7 @@ static void judge_kept(ly_instance *i, const char *call) {
 
 /* ---- around a call */
 static void take_slot(ly_watch *w, uint64_t index) {
-    let_go(w->now);
+    release_slot(w->now);
     w->now = NULL;
     for (uint32_t n = 0; n < w->slot_count && !w->trouble && !w->now; n++)
         if (!w->slots[n].done) w->now = &w->slots[n];
@@ -228,7 +228,7 @@ void ly_watch_after(ly_instance *i, const rc_call *c) {
     if (c->result && looks && ly_is_own(w)) compare_memory(i, RULE_inputs_unchanged, 0, rc_names[c->kind]);
     if (c->result && c->sound) ly_results_after(i, c);
     if (well && !c->result) return;
-    let_go(w->now);
+    release_slot(w->now);
     w->now = NULL;
 }
 
