@@ -46,7 +46,8 @@ bool hs_report_line_parse(int argc, char **argv, hs_eval_options *options, bool 
 bool hs_eval_csv_write(const hs_eval_space *space, const char *folder, hs_error *err);
 
 /* ---------------------------------------------------------------------------------------------- tables -- */
-/* Tables 5.2 and 5.3 as cells of text, for the terminal, the CSV files and the page alike. */
+/* The plugin as it is, and Tables 5.2 and 5.3, as cells of text, for the terminal, the CSV files and the page
+ * alike. */
 
 #define HS_EVAL_CELLS 13u /* columns */
 #define HS_EVAL_CELL  32u /* bytes of a cell */
@@ -56,22 +57,21 @@ typedef struct {
 } hs_eval_row;
 
 typedef enum {
+    HS_TABLE_PLAIN,
     HS_TABLE_BEST,  /* Table 5.2: each case's best setting */
     HS_TABLE_COMMON /* Table 5.3: the common threshold and kernel, each case's best knob */
 } hs_eval_table_kind;
 
-/* The columns' names; those that begin with "thesis" come from it. */
-const char *const *hs_eval_row_head(const hs_eval_study *study);
+typedef struct {
+    char caption[300]; /* one sentence: what the table shows */
+    uint32_t rows, columns;
+    bool has[HS_EVAL_CELLS];                /* false: no case has anything in the column, as T_B of a plugin
+                                             * without a threshold; terminal and page leave it out */
+    hs_eval_row row[HS_EVAL_MAX_CASES + 2]; /* the columns' names, of which those that begin with "thesis"
+                                             * come from it; a row a case; the means */
+} hs_eval_rows;
 
-/* Row `index` of the table; index == study->count: the average over the cases. */
-void hs_eval_row_make(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t index, hs_eval_row *row);
-
-/* False if no case has anything in the column, as T_B of a plugin without a threshold: then the terminal and
- * the page leave it out. */
-bool hs_eval_row_has(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t column);
-
-/* One sentence: what the table shows. */
-void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, char *out, size_t bytes);
+void hs_eval_rows_make(const hs_eval_study *study, hs_eval_table_kind kind, hs_eval_rows *out);
 
 /* The plugin as it is, and both tables, to a terminal. */
 void hs_eval_study_print(const hs_eval_study *study, FILE *out);
@@ -81,8 +81,6 @@ void hs_eval_study_print(const hs_eval_study *study, FILE *out);
 bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err);
 
 /* ------------------------------------------------------------------------------------ plugin as it is -- */
-/* Its table, for the terminal, the CSV file and the page alike. */
-
 enum {
     HS_PLAIN_ABS,
     HS_PLAIN_CUT,  /* percent */
@@ -92,7 +90,6 @@ enum {
     HS_PLAIN_FLOOR,
     HS_PLAIN_COUNT
 };
-extern const char *const hs_eval_plain_head[HS_PLAIN_COUNT];
 
 /* The numbers of a case; index == study->count: the means over the cases that have them. NAN: not known. */
 void hs_eval_plain_row(const hs_eval_study *study, uint32_t index, double out[HS_PLAIN_COUNT]);

@@ -13,19 +13,15 @@
 /* ----------------------------------------------------------------------------------------------- study -- */
 
 static void put_table(hs_page *report, const hs_eval_study *study, hs_eval_table_kind kind) {
-    char caption[300];
-    hs_eval_row row;
-    bool has[HS_EVAL_CELLS];
-    hs_eval_row_caption(study, kind, caption, sizeof caption);
-    hs_page_heading(report, 3, caption);
+    hs_eval_rows table;
+    hs_eval_rows_make(study, kind, &table);
+    if (kind != HS_TABLE_PLAIN) hs_page_heading(report, 3, table.caption);
     hs_page_table_begin(report);
-    for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) has[i] = hs_eval_row_has(study, kind, i);
-    for (uint32_t r = 0; r <= study->count + 1; r++) {
+    for (uint32_t r = 0; r < table.rows; r++) {
         const char *cells[HS_EVAL_CELLS];
         uint32_t columns = 0;
-        if (r > 0) hs_eval_row_make(study, kind, r - 1, &row);
-        for (uint32_t i = 0; i < HS_EVAL_CELLS; i++)
-            if (has[i]) cells[columns++] = r > 0 ? row.cell[i] : hs_eval_row_head(study)[i];
+        for (uint32_t c = 0; c < table.columns; c++)
+            if (table.has[c]) cells[columns++] = table.row[r].cell[c];
         hs_page_table_row(report, cells, columns);
     }
     hs_page_table_end(report);
@@ -105,28 +101,6 @@ static void put_plain_details(hs_page *report, const hs_eval_study *study, uint3
     hs_page_fold_end(report);
 }
 
-/* A column that is nowhere known is not there. */
-static void put_plain_table(hs_page *report, const hs_eval_study *study) {
-    double mean[HS_PLAIN_COUNT], row[HS_PLAIN_COUNT];
-    hs_eval_plain_row(study, study->count, mean);
-    hs_page_table_begin(report);
-    for (uint32_t r = 0; r <= study->count + 1; r++) {
-        char text[HS_PLAIN_COUNT][32];
-        const char *cells[HS_PLAIN_COUNT + 1] = {r == 0              ? "case"
-                                                 : r <= study->count ? study->space[r - 1].name
-                                                                     : "mean"};
-        uint32_t columns = 1;
-        if (r > 0) hs_eval_plain_row(study, r - 1, row);
-        for (int k = 0; k < HS_PLAIN_COUNT; k++) {
-            if (isnan(mean[k])) continue;
-            if (r > 0) (void)snprintf(text[k], sizeof text[k], isnan(row[k]) ? "-" : "%.2f", row[k]);
-            cells[columns++] = r == 0 ? hs_eval_plain_head[k] : text[k];
-        }
-        hs_page_table_row(report, cells, columns);
-    }
-    hs_page_table_end(report);
-}
-
 static void put_first(hs_page *report, const hs_eval_study *study) {
     char text[600];
     const sv_descriptor *d = study->plugin.instance->descriptor;
@@ -142,7 +116,7 @@ static void put_first(hs_page *report, const hs_eval_study *study) {
     if (study->plugin_error.code != HS_OK) hs_page_text(report, study->plugin_error.text);
     hs_page_contents(report);
     hs_page_heading(report, 2, "As it is");
-    put_plain_table(report, study);
+    put_table(report, study, HS_TABLE_PLAIN);
     for (uint32_t i = 0; i < study->count; i++) {
         hs_page_heading(report, 3, study->space[i].name);
         hs_page_text(report, study->result[i].title);

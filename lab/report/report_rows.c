@@ -17,9 +17,6 @@ static bool open_csv(const char *folder, const char *name, hs_output_file *outpu
 
 /* ------------------------------------------------------------------------------------------- as it is -- */
 
-const char *const hs_eval_plain_head[HS_PLAIN_COUNT] = {"e_abs",       "cut [%]",         "left [%]",
-                                                        "plugin [ms]", "e_abs unclipped", "true surface"};
-
 static void case_row(const hs_eval_study *study, uint32_t index, double out[HS_PLAIN_COUNT]) {
     const hs_measures *m = &study->plain.of[index];
     out[HS_PLAIN_ABS] = (double)m->of[HS_MEASURE_ABS];
@@ -60,22 +57,6 @@ uint32_t hs_eval_plain_worst(const hs_eval_study *study, int column, double *out
         worst = i;
     }
     return worst;
-}
-
-/* A head, a line a case, the means: in columns, or parted by commas. */
-static void write_plain(const hs_eval_study *study, FILE *out, bool csv) {
-    for (uint32_t r = 0; r <= study->count + 1; r++) {
-        double row[HS_PLAIN_COUNT];
-        const char *name = r == 0 ? "case" : r <= study->count ? study->space[r - 1].name : "mean";
-        if (r > 0) hs_eval_plain_row(study, r - 1, row);
-        hs_print(out, csv ? "%s" : "%-6s", name);
-        for (int k = 0; k < HS_PLAIN_COUNT; k++) {
-            char text[32] = "-";
-            if (r > 0 && !isnan(row[k])) (void)snprintf(text, sizeof text, "%.2f", row[k]);
-            hs_print(out, csv ? ",%s" : "%17s", r == 0 ? hs_eval_plain_head[k] : text);
-        }
-        hs_print(out, "\n");
-    }
 }
 
 /* ------------------------------------------------------------------------------------------ comparison -- */
@@ -127,13 +108,11 @@ enum {
     THESIS_E_ABS
 };
 
-const char *const *hs_eval_row_head(const hs_eval_study *study) {
-    (void)study;
-    static const char *const head[HS_EVAL_CELLS] = {
-        "case",  "T_B",     "Delta_MI", "k",         "position", "e_abs",       "e_pos",
-        "e_neg", "cut [%]", "left [%]", "unclipped", "thesis q", "thesis e_abs"};
-    return head;
-}
+static const char *const heads[HS_EVAL_CELLS] = {
+    "case",  "T_B",     "Delta_MI", "k",         "position", "e_abs",       "e_pos",
+    "e_neg", "cut [%]", "left [%]", "unclipped", "thesis q", "thesis e_abs"};
+static const char *const plain_heads[HS_PLAIN_COUNT + 1] = {
+    "case", "e_abs", "cut [%]", "left [%]", "plugin [ms]", "e_abs unclipped", "true surface"};
 
 static void put(hs_eval_row *row, uint32_t column, const char *format, double value) {
     if (isnan(value))
@@ -189,7 +168,7 @@ static void make_average(const hs_eval_study *study, hs_eval_table_kind kind, hs
     put(row, THESIS_E_ABS, "%.2f", in_thesis ? thesis / in_thesis : NAN);
 }
 
-void hs_eval_row_make(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t index, hs_eval_row *row) {
+static void make_row(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t index, hs_eval_row *row) {
     const hs_eval_plan *plan = &study->plan;
     for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) put(row, i, "%g", NAN);
     if (index >= study->count) {
@@ -210,19 +189,20 @@ void hs_eval_row_make(const hs_eval_study *study, hs_eval_table_kind kind, uint3
     put(row, THESIS_E_ABS, "%.2f", kind == HS_TABLE_BEST ? t->e_abs : t->common_e_abs);
 }
 
-bool hs_eval_row_has(const hs_eval_study *study, hs_eval_table_kind kind, uint32_t column) {
-    hs_eval_row row;
-    for (uint32_t r = 0; r < study->count; r++) {
-        hs_eval_row_make(study, kind, r, &row);
-        if (strcmp(row.cell[column], "-") != 0) return true;
-    }
-    return false;
+static void make_plain_row(const hs_eval_study *study, uint32_t index, hs_eval_row *row) {
+    double value[HS_PLAIN_COUNT];
+    hs_eval_plain_row(study, index, value);
+    (void)snprintf(row->cell[CASE], HS_EVAL_CELL, "%.31s",
+                   index < study->count ? study->space[index].name : "mean");
+    for (uint32_t k = 0; k < HS_PLAIN_COUNT; k++) put(row, k + 1, "%.2f", value[k]);
 }
 
-void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, char *out, size_t bytes) {
+static void put_caption(const hs_eval_study *study, hs_eval_table_kind kind, char *out, size_t bytes) {
     const hs_eval_plan *plan = &study->plan;
     const hs_eval_mean *mean = &study->mean;
-    if (kind == HS_TABLE_BEST)
+    if (kind == HS_TABLE_PLAIN)
+        (void)snprintf(out, bytes, "%s as it is", study->plain.name);
+    else if (kind == HS_TABLE_BEST)
         (void)snprintf(out, bytes, "Each case's setting with the lowest e_abs (thesis, Table 5.2)");
     else if (!plan->threshold.exists || !plan->kernel.exists)
         (void)snprintf(out, bytes, "Each case's best surface position");
@@ -239,59 +219,54 @@ void hs_eval_row_caption(const hs_eval_study *study, hs_eval_table_kind kind, ch
                                 mean->best_knob]);
 }
 
+void hs_eval_rows_make(const hs_eval_study *study, hs_eval_table_kind kind, hs_eval_rows *out) {
+    const bool plain = kind == HS_TABLE_PLAIN;
+    *out = (hs_eval_rows){.rows = study->count + 2, .columns = plain ? HS_PLAIN_COUNT + 1 : HS_EVAL_CELLS};
+    put_caption(study, kind, out->caption, sizeof out->caption);
+    for (uint32_t r = 1; r < out->rows; r++)
+        plain ? make_plain_row(study, r - 1, &out->row[r]) : make_row(study, kind, r - 1, &out->row[r]);
+    for (uint32_t c = 0; c < out->columns; c++) {
+        (void)snprintf(out->row[0].cell[c], HS_EVAL_CELL, "%s", plain ? plain_heads[c] : heads[c]);
+        for (uint32_t r = 1; r <= study->count; r++) out->has[c] |= strcmp(out->row[r].cell[c], "-") != 0;
+    }
+}
+
 /* ------------------------------------------------------------------------------------------- outputs -- */
 
-static const int widths[HS_EVAL_CELLS] = {-6, 6, 9, 4, 6, 7, 7, 7, 9, 9, 10, 10, 13};
-
-static void print_table(const hs_eval_study *study, hs_eval_table_kind kind, FILE *out) {
-    char caption[300];
-    hs_eval_row row;
-    hs_eval_row_caption(study, kind, caption, sizeof caption);
-    hs_print(out, "%s\n", caption);
-    bool has[HS_EVAL_CELLS];
-    for (uint32_t i = 0; i < HS_EVAL_CELLS; i++) {
-        has[i] = hs_eval_row_has(study, kind, i);
-        if (has[i]) hs_print(out, "%*s", widths[i], hs_eval_row_head(study)[i]);
+static void print_table(const hs_eval_rows *t, FILE *out) {
+    int width[HS_EVAL_CELLS] = {0};
+    for (uint32_t r = 0; r < t->rows; r++)
+        for (uint32_t c = 0; c < t->columns; c++)
+            if ((int)strlen(t->row[r].cell[c]) > width[c]) width[c] = (int)strlen(t->row[r].cell[c]);
+    hs_print(out, "%s\n", t->caption);
+    for (uint32_t r = 0; r < t->rows; r++) {
+        hs_print(out, "%-*s", width[CASE], t->row[r].cell[CASE]);
+        for (uint32_t c = 1; c < t->columns; c++)
+            if (t->has[c]) hs_print(out, "%*s", width[c] + 2, t->row[r].cell[c]);
+        hs_print(out, "\n");
     }
-    (void)fprintf(out, "\n");
-    for (uint32_t r = 0; r <= study->count; r++) {
-        hs_eval_row_make(study, kind, r, &row);
-        for (uint32_t i = 0; i < HS_EVAL_CELLS; i++)
-            if (has[i]) hs_print(out, "%*s", widths[i], row.cell[i]);
-        (void)fprintf(out, "\n");
-    }
-    (void)fprintf(out, "\n");
+    hs_print(out, "\n");
 }
 
 void hs_eval_study_print(const hs_eval_study *study, FILE *out) {
-    hs_print(out, "%s as it is\n", study->plain.name);
-    write_plain(study, out, false);
-    hs_print(out, "\n");
-    print_table(study, HS_TABLE_BEST, out);
-    print_table(study, HS_TABLE_COMMON, out);
-}
-
-static bool write_table(const hs_eval_study *study, hs_eval_table_kind kind, const char *name,
-                        hs_error *err) {
-    hs_output_file output = {0};
-    hs_eval_row row;
-    if (!open_csv(study->options->out, name, &output, err)) return false;
-    for (uint32_t i = 0; i < HS_EVAL_CELLS; i++)
-        (void)fprintf(output.file, "%s%s", i ? "," : "", hs_eval_row_head(study)[i]);
-    (void)fprintf(output.file, "\n");
-    for (uint32_t r = 0; r <= study->count; r++) {
-        hs_eval_row_make(study, kind, r, &row);
-        for (uint32_t i = 0; i < HS_EVAL_CELLS; i++)
-            (void)fprintf(output.file, "%s%s", i ? "," : "", row.cell[i]);
-        (void)fprintf(output.file, "\n");
+    hs_eval_rows table;
+    for (int kind = HS_TABLE_PLAIN; kind <= HS_TABLE_COMMON; kind++) {
+        hs_eval_rows_make(study, (hs_eval_table_kind)kind, &table);
+        print_table(&table, out);
     }
-    return hs_output_commit(&output, err); /* fails if any write before did */
 }
 
 bool hs_eval_study_tables(const hs_eval_study *study, hs_error *err) {
-    hs_output_file output = {0};
-    if (!open_csv(study->options->out, "plain.csv", &output, err)) return false;
-    write_plain(study, output.file, true);
-    return hs_output_commit(&output, err) && write_table(study, HS_TABLE_BEST, "best.csv", err) &&
-           write_table(study, HS_TABLE_COMMON, "common.csv", err);
+    static const char *const names[] = {"plain.csv", "best.csv", "common.csv"};
+    hs_eval_rows table;
+    for (int kind = HS_TABLE_PLAIN; kind <= HS_TABLE_COMMON; kind++) {
+        hs_output_file output = {0};
+        if (!open_csv(study->options->out, names[kind], &output, err)) return false;
+        hs_eval_rows_make(study, (hs_eval_table_kind)kind, &table);
+        for (uint32_t r = 0; r < table.rows; r++)
+            for (uint32_t c = 0; c < table.columns; c++)
+                hs_print(output.file, "%s%s", table.row[r].cell[c], c + 1 < table.columns ? "," : "\n");
+        if (!hs_output_commit(&output, err)) return false; /* fails if any write before did */
+    }
+    return true;
 }
