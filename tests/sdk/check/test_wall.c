@@ -95,7 +95,8 @@ static void test_single_voxels(void **state) {
         const uint32_t width = cases[n].size[0], height = cases[n].size[1], slices = cases[n].size[2];
         uint8_t *volume = wall_layered_noise(width, height, slices, 10, 9, 40 + n);
         sv_scanned *ranges = ragged_ranges(width, height, slices, n);
-        for (int kind = 0; kind < 3; kind++) {
+        for (uint32_t kind = 0; kind < 3; kind++) {
+            if (kind != n % 3 && !getenv("SV_NIGHT")) continue; /* one by day */
             const wall_shape s = {.width = width,
                                   .height = height,
                                   .slices = slices,
@@ -106,7 +107,7 @@ static void test_single_voxels(void **state) {
             surfaces += wall_compare(*state, &s, volume, "blocks of one voxel");
         }
     }
-    assert_true(surfaces >= 18);
+    assert_true(surfaces >= (getenv("SV_NIGHT") ? 18 : 6));
 }
 
 /* No ray begins in a wall: tissue floats in the fluid, or bone begins with the first slice. There the fetus

@@ -216,6 +216,7 @@ static void test_kernels_follow_the_definition(void **state) {
     uint32_t answers[SV_WALL_OPEN + 1] = {0};
     for (uint32_t n = 0; n < 3 * sizeof fans / sizeof *fans; n++) {
         const uint32_t fan = n / 3;
+        if (n % 3 == 2 - fan % 2 && !getenv("SV_NIGHT")) continue;
         const float mm =
             n % 3 == 2 ? 1.7f : 1.05f; /* of which blocks are single voxels, which are smoothed */
         sv_beams beams = {.kind = fan % 4 == 3 ? SV_BEAMS_PARALLEL : SV_BEAMS_FAN};
