@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Typed fields of a JSON object; every error names file, line and field. */
+/* Typed fields of a JSON object; every error names file and field. */
 #ifndef HS_SCENE_JSON_H
 #define HS_SCENE_JSON_H
 
@@ -12,7 +12,6 @@
 /* A file that is being read. */
 typedef struct {
     const char *path; /* for messages */
-    const char *text; /* the whole file */
     hs_error *err;
 } hs_json_file;
 
@@ -54,7 +53,7 @@ bool hs_json_read_typed(const hs_json *object, const hs_json_field *fields, size
 bool hs_json_member(const hs_json *object, const char *key, hs_json *out);
 void hs_json_element(const hs_json *array, size_t index, hs_json *out);
 
-/* Records "<file>:<line>: <field>: <message>" and returns false. */
+/* Records "<file>: <field>: <message>" and returns false. */
 bool hs_json_fail(const hs_json *at, const char *format, ...) __attribute__((format(printf, 2, 3)));
 #ifdef __clang_analyzer__ /* as for hs_fail: it always returns false */
 #define hs_json_fail(...) ((void)hs_json_fail(__VA_ARGS__), false)
@@ -66,10 +65,6 @@ bool hs_json_is_array(const hs_json *value, size_t min, size_t max);
 /* The text in the field "type" of an object, and where it stands. False with an error if there is none. */
 bool hs_json_type(const hs_json *object, hs_json *type, const char **name);
 
-/* Line of the value at a path such as "a[3].b" in well-formed JSON text; the nearest enclosing value's if the
- * path does not exist. 1 is the first line. */
-unsigned hs_json_line(const char *text, const char *where);
-
 /* How the tables of a scene file's fields are written. */
 #define HS_COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define FIELD(type, member, kind, min, max, required)                                                        \
@@ -79,8 +74,8 @@ unsigned hs_json_line(const char *text, const char *where);
 #define OTHER(key, required)                                                                                 \
     { key, HS_FIELD_OTHER, 0, 0, 0, required }
 
-/* The arrays "artefacts" and "structures" (docs/scenes.md has their fields). HS_ERR_INPUT names file, line
- * and field. */
+/* The arrays "artefacts" and "structures" (docs/scenes.md has their fields). HS_ERR_INPUT names file and
+ * field. */
 bool hs_scene_read_artefacts(const hs_json *array, hs_scene_spec *spec);
 bool hs_scene_read_structures(const hs_json *array, hs_scene_spec *spec);
 

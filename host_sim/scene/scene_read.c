@@ -170,7 +170,7 @@ bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec,
     if (!value)
         return hs_fail(err, HS_ERR_INPUT, "%s:%d: column %d: not JSON: %s", path, bad.line, bad.column,
                        bad.text);
-    const hs_json_file file = {path, text, err};
+    const hs_json_file file = {path, err};
     const hs_json root = {.file = &file, .value = value};
     bool ok = read_scene(&root, spec);
     json_decref(value);

@@ -51,7 +51,7 @@ done
 # ---- names that leave the folder
 for name in ../evil /tmp/evil .hidden a/b ''; do
     sed "s|\"name\": *\"[^\"]*\"|\"name\": \"$name\"|" "$source/data/scenes/E01.json" > evil.json
-    expect 3 "evil.json:2: name: is '$name', expected a part of a file's name" scenes ./evil.json --export --out out/deep
+    expect 3 "evil.json: name: is '$name', expected a part of a file's name" scenes ./evil.json --export --out out/deep
 done
 holds [ -z "$(find . -name '*evil*.mha')" ]
 head -c 4096 /dev/zero > near.raw

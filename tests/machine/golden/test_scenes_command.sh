@@ -54,7 +54,7 @@ code 3 Q77
 code 3 "$folder/absent.json"
 printf '{ "name": "x",\n  "title": "y", "seed": -3 }' > "$folder/bad.json"
 code 3 "$folder/bad.json"
-grep -q 'bad.json:2: seed: is -3' "$folder/err" || fail "line and field are not named: $(cat "$folder/err")"
+grep -q 'bad.json: seed: is -3' "$folder/err" || fail "file and field are not named: $(cat "$folder/err")"
 code 6 D01 --size 32 --export --out /proc/none
 
 code 0 E02 --size 48 --frames 2 --threads 1 --export --out "$folder/one"
