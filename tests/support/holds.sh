@@ -22,3 +22,12 @@ ends() {
     cat "$work/stderr"
     failed=$((failed + 1))
 }
+
+# expect CODE WORDS ARGUMENTS...: fails unless $host_sim ends with CODE in time, and stderr holds WORDS; output as of ends.
+expect() {
+    local code=$1 words=$2
+    shift 2
+    checked=$((checked + 1))
+    ends "$code" timeout 600 "$host_sim" "$@"
+    [ -z "$words" ] || holds grep -qF -- "$words" "$work/stderr"
+}

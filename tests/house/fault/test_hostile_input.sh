@@ -11,16 +11,6 @@ trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 cd "$work" || exit 1
 
-# expect CODE WORDS ARGUMENTS...: host_sim ends with CODE in time, and stderr holds WORDS.
-expect() {
-    local code=$1 words=$2 got
-    shift 2
-    timeout 600 "$host_sim" "$@" > stdout 2> stderr
-    got=$?
-    holds [ $got -eq "$code" ]
-    [ $got -eq "$code" ] || cat stderr
-    [ -z "$words" ] || holds grep -qF -- "$words" stderr
-}
 # clean FILE: no control characters but newlines.
 clean() { ! LC_ALL=C grep -qP '[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f]' "$1"; }
 volume() { # NAME SPACING FIELD...: 16^3 voxels

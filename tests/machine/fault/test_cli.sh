@@ -11,24 +11,6 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
-# expect CODE WORDS ARGUMENTS...: host_sim ends with CODE, and stderr holds WORDS.
-expect() {
-    local code=$1 words=$2
-    shift 2
-    checked=$((checked + 1))
-    "$host_sim" "$@" > "$work/stdout" 2> "$work/stderr"
-    local got=$?
-    if [ $got -ne "$code" ]; then
-        echo "FAIL: host_sim $*: exit code $got, expected $code"
-        cat "$work/stderr"
-        failed=$((failed + 1))
-    elif [ -n "$words" ] && ! grep -qF -- "$words" "$work/stderr"; then
-        echo "FAIL: host_sim $*: stderr does not say '$words':"
-        cat "$work/stderr"
-        failed=$((failed + 1))
-    fi
-}
-
 # A MetaImage of 16 x 16 x $2 voxels, of which $3 bytes are there.
 make_volume() {
     printf 'ObjectType = Image\nNDims = 3\nDimSize = 16 16 %s\nElementType = MET_UCHAR\nElementSpacing = 1 1 1\nElementDataFile = LOCAL\n' \
