@@ -181,8 +181,7 @@ static bool write_depthmap(const hs_view *view, const float *mm, const char *fol
                    note ? note : "");
     const hs_caption caption = {.title = title, .footer = facts};
     hs_picture picture;
-    const bool made =
-        hs_picture_depthmap(&picture, mm, view->map_width, view->map_height, (hs_range){0, 0}, &caption, err);
+    const bool made = hs_picture_depthmap(&picture, mm, view->map_width, view->map_height, &caption, err);
     return save(made, &picture, folder, "depthmap.png", err);
 }
 
@@ -215,8 +214,8 @@ static bool write_points(const hs_view *view, const float *mm, const char *folde
                    threshold, note ? "\n" : "", note ? note : "");
     const hs_caption caption = {.title = title, .footer = facts};
     hs_picture picture;
-    const bool made = hs_picture_points(&picture, &mip, view->status, mm, view->map_width, view->map_height,
-                                        (hs_range){0, 0}, &caption, err);
+    const bool made =
+        hs_picture_points(&picture, &mip, view->status, mm, view->map_width, view->map_height, &caption, err);
     return save(made, &picture, folder, "points.png", err);
 }
 

@@ -116,11 +116,14 @@ static double percent(size_t part, size_t whole) {
     return 100.0 * (double)part / (double)whole;
 }
 
-/* The range of the colour bar: the given one, or that of the depths that are points in `status` (may be
- * NULL: all are). */
-static hs_range find_range(hs_range range, const float *depth, const uint8_t *status, size_t count) {
-    if (range.low < range.high) return range;
-    range = (hs_range){INFINITY, -INFINITY};
+/* The ends of a depth colour bar, mm. */
+typedef struct {
+    float low, high;
+} depth_range;
+
+/* That of the depths that are points in `status` (may be NULL: all are). */
+static depth_range find_range(const float *depth, const uint8_t *status, size_t count) {
+    depth_range range = {INFINITY, -INFINITY};
     for (size_t i = 0; i < count; i++) {
         if (!isfinite(depth[i]) || depth[i] <= 0.0f || (status && status[i] != SV_POINT_INITIAL)) continue;
         range.low = fminf(range.low, depth[i]);
@@ -131,7 +134,7 @@ static hs_range find_range(hs_range range, const float *depth, const uint8_t *st
 
 /* A depth's place in the range. In an empty range, where no ray has a surface, all are of the legend's
  * colour. */
-static uint32_t depth_colour(float depth, hs_range range) {
+static uint32_t depth_colour(float depth, depth_range range) {
     if (range.low > range.high) return hs_colour_viridis(POINT_SHADE);
     const double span = (double)range.high - range.low;
     return hs_colour_viridis(span > 0.0 ? ((double)depth - range.low) / span : 1.0);
@@ -149,7 +152,8 @@ static double draw_bar(cairo_t *cr, const layout *l, hs_colour_bar *bar, uint32_
 }
 
 /* The bar of depths; `none` stands in its place if there is no depth. */
-static double draw_depth_bar(cairo_t *cr, const layout *l, hs_range range, const char *none, uint32_t rows) {
+static double draw_depth_bar(cairo_t *cr, const layout *l, depth_range range, const char *none,
+                             uint32_t rows) {
     if (range.low > range.high) {
         hs_draw_text(cr, l->legend_x, l->y + 14.0, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, none);
         return (double)l->y + BAR_MARGIN;
@@ -163,12 +167,12 @@ static double draw_depth_bar(cairo_t *cr, const layout *l, hs_range range, const
     return draw_bar(cr, l, &bar, rows);
 }
 
-bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height, hs_range range,
+bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height,
                          const hs_caption *caption, hs_error *err) {
     layout l;
     if (!begin_map(out, &l, width, height, caption, err)) return false;
     const size_t count = (size_t)width * height;
-    range = find_range(range, depth, NULL, count);
+    const depth_range range = find_range(depth, NULL, count);
     size_t nothing = 0, invalid = 0;
     for (size_t i = 0; i < count; i++) {
         if (!isfinite(depth[i]))
@@ -197,12 +201,11 @@ bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, ui
 }
 
 bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *status, const float *depth,
-                       uint32_t width, uint32_t height, hs_range range, const hs_caption *caption,
-                       hs_error *err) {
+                       uint32_t width, uint32_t height, const hs_caption *caption, hs_error *err) {
     layout l;
     if (!begin_map(out, &l, width, height, caption, err)) return false;
     const size_t count = (size_t)width * height;
-    range = find_range(range, depth, status, count);
+    const depth_range range = find_range(depth, status, count);
     size_t points = 0, empty = 0;
     for (size_t i = 0; i < count; i++) {
         points += status[i] == SV_POINT_INITIAL;
@@ -234,13 +237,8 @@ bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint
     layout l;
     if (!begin_map(out, &l, width, height, caption, err)) return false;
     const size_t count = (size_t)width * height;
-    float largest = 0.0f;
     size_t valid = 0;
-    for (size_t i = 0; i < count; i++) {
-        valid += isnan(value[i]) ? 0 : 1;
-        if (isfinite(value[i])) largest = fmaxf(largest, fabsf(value[i]));
-    }
-    if (!(limit > 0.0f)) limit = largest > 0.0f ? largest : 1.0f;
+    for (size_t i = 0; i < count; i++) valid += isnan(value[i]) ? 0 : 1;
     for (uint32_t j = 0; j < l.height; j++) {
         for (uint32_t i = 0; i < l.width; i++) {
             const float v = value[entry_at(&l, i, j)];

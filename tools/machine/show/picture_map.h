@@ -16,23 +16,18 @@
 /* Colour of a label of the label map (0 neither, 1 sac only, 2 fetus); HS_COLOUR_INVALID for any other. */
 uint32_t hs_colour_label(uint8_t label);
 
-/* The ends of a depth colour bar in millimetres. low >= high: the smallest and the largest drawn depth. */
-typedef struct {
-    float low, high;
-} hs_range;
-
-/* A depthmap (width * height float32, mm) in viridis with a colour bar. A depth <= 0 clips nothing: grey
- * hatch, its share in the legend. NaN and infinities are drawn in HS_COLOUR_INVALID and counted. */
-bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height, hs_range range,
+/* A depthmap (width * height float32, mm) in viridis with a colour bar over the depths that are there. A
+ * depth <= 0 clips nothing: grey hatch, its share in the legend. NaN and infinities are drawn in
+ * HS_COLOUR_INVALID and counted. */
+bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height,
                          const hs_caption *caption, hs_error *err);
 
 /* Initial points over the MIP. `mip` is scaled to the map; `status` (SV_POINT_*) and `depth` (mm) are
  * width * height: a point in an interval has the colour of its depth, one with an empty interval
- * HS_COLOUR_EMPTY. The legend counts both. A depth <= 0 of an interval point has the colour of `low`,
+ * HS_COLOUR_EMPTY. The legend counts both. A depth <= 0 of an interval point has the colour of the smallest,
  * or the legend's if no depth is above 0. */
 bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *status, const float *depth,
-                       uint32_t width, uint32_t height, hs_range range, const hs_caption *caption,
-                       hs_error *err);
+                       uint32_t width, uint32_t height, const hs_caption *caption, hs_error *err);
 
 /* Words of a signed map's legend. */
 typedef struct {
@@ -42,7 +37,7 @@ typedef struct {
     const char *negative; /* what blue means: "fetus cut" */
 } hs_signed_words;
 
-/* A signed map, blue - white - red over -limit .. limit (limit <= 0: its largest absolute value). NaN: no
+/* A signed map, blue - white - red over -limit .. limit, which is above 0. NaN: no
  * value, drawn in HS_COLOUR_NO_VALUE. */
 bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint32_t height, float limit,
                        const hs_signed_words *words, const hs_caption *caption, hs_error *err);
