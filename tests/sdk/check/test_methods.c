@@ -58,9 +58,10 @@ static void test_patches(void **state) {
     }
 }
 
-/* One frame with q = 0.25, then adjust to 1.5: the same map as a frame with q = 1.5. */
-static void check_adjust(rig *r, const surface_points *points, int method, bool prefilter) {
-    const surface_chain chain = {.method = method, .prefilter_passes = prefilter};
+/* One frame with q = 0.25, then adjust to 1.5, and back and forth: the same map as a frame with q = 1.5. */
+static void check_adjust(rig *r, const surface_points *points, int method, bool prefilter,
+                         uint32_t strategy) {
+    const surface_chain chain = {.method = method, .prefilter_passes = prefilter, .strategy = strategy};
     const rig_format format = surface_format(r, points, &chain);
     const stage *t = rig_stage(r, &format, surface_volume(points));
     rig_result first = rig_result_make(points->width, points->height);
@@ -70,7 +71,9 @@ static void check_adjust(rig *r, const surface_points *points, int method, bool 
     const sv_result result = {.size = sizeof result, .depth = first.depth, .stats = &first.stats};
     assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
     assert_int_equal(rig_frame(r, t, low, 2, &first), SV_OK);
-    assert_int_equal(r->plugin->adjust(r->plugin, high, 1, &result), SV_OK);
+    for (int turn = 0; turn < 3; turn++)
+        assert_int_equal(r->plugin->adjust(r->plugin, turn == 1 ? low : high, 1, &result), SV_OK);
+    assert_int_equal(clFinish(r->queue), CL_SUCCESS);
     assert_int_equal(rig_frame(r, t, high, 2, &second), SV_OK);
     assert_memory_equal(first.depth, second.depth, (size_t)points->width * points->height * sizeof(float));
     assert_int_equal(first.points.passes, second.points.passes);
@@ -80,7 +83,7 @@ static void check_adjust(rig *r, const surface_points *points, int method, bool 
 static void test_adjust(void **state) {
     surface_points p = surface_scattered(40, 33, 60, 70, 3);
     for (int method = surface_next_of_points(-1); method >= 0; method = surface_next_of_points(method))
-        for (uint32_t n = 0; n < 2; n++) check_adjust(*state, &p, method, n);
+        for (uint32_t n = 0; n < 6; n++) check_adjust(*state, &p, method, n % 2, 1 + n / 2);
 }
 
 /* The parameter has the values of the list, by the list's names; every other one is refused. */

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Every setting of a frame against the scalar definition, bit for bit, and the float64 one within its bound:
- * windows, weights, thresholds on and between grey levels, the three ways to find T_B, the knob, and adjust.
+ * windows, weights, thresholds on and between grey levels, the three ways to find T_B, and the knob. That
+ * adjust gives the same as a frame: test_methods.
  */
 #include "support/compare.h"
 
-enum { WIDTH = 45, HEIGHT = 38, SLICES = 20, RAYS = WIDTH * HEIGHT };
+enum { WIDTH = 45, HEIGHT = 38, SLICES = 20 };
 
 typedef struct {
     rig *r;
@@ -115,44 +116,5 @@ static void evidence(void **state) {
     compare_all(*state, "evidence", 7 * 8, share);
 }
 
-/* A slider: adjust gives what a new frame with that q would have given, to the bit, and can be called at
- * will. */
-static void adjust_equals_a_new_frame(void **state) {
-    static const double list[] = {0.0, 0.25, 0.3, 1.0, 1.5, 0.0};
-    for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-        bench b = open_bench(*state, strategy);
-        rig *r = *state;
-        rig_settings s = rig_default_settings();
-        s.bone.bone_mode = SV_REF_FRACTION; /* not the defaults: adjust must keep the frame's values */
-        s.k = 9;
-        sv_param_value values[RIG_MAX_VALUES];
-        rig_result frame = rig_result_make(WIDTH, HEIGHT), adjusted = rig_result_make(WIDTH, HEIGHT);
-        for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
-            s.q = 0.77f;
-            const uint32_t count = rig_values(r, &s, values);
-            assert_int_equal(rig_frame(r, b.textures[RIG_LAYERS], values, count, &frame), SV_OK);
-            const sv_param_value q = {rig_param(r, "q"), 0, list[i]};
-            const sv_result result = {.size = sizeof result,
-                                      .depth = adjusted.depth,
-                                      .status = adjusted.status,
-                                      .stats = &adjusted.stats};
-            assert_int_equal(r->plugin->adjust(r->plugin, &q, 1, &result), SV_OK);
-            assert_int_equal(clFinish(r->queue), CL_SUCCESS);
-            s.q = (float)list[i];
-            rig_expected expected = rig_expect(
-                &(sv_ref_volume){b.volumes[RIG_LAYERS], WIDTH, HEIGHT, SLICES, -1, NULL}, &s, false);
-            s.q = 0.77f;
-            assert_memory_equal(adjusted.depth, expected.depth, RAYS * sizeof(float));
-            (void)rig_values(r, &s, values);
-            values[0].value = list[i]; /* q comes first */
-            assert_int_equal(rig_frame(r, b.textures[RIG_LAYERS], values, count, &frame), SV_OK);
-            assert_memory_equal(adjusted.depth, frame.depth, RAYS * sizeof(float));
-            assert_memory_equal(adjusted.status, frame.status, RAYS);
-            assert_memory_equal(&adjusted.stats, &frame.stats, sizeof frame.stats);
-        }
-        b.r->plugin->deactivate(b.r->plugin);
-    }
-}
-
 UNIT_MAIN(NULL, NULL, RIG_TEST(windows_and_weights), RIG_TEST(fluid_thresholds), RIG_TEST(bone_modes),
-          RIG_TEST(evidence), RIG_TEST(adjust_equals_a_new_frame))
+          RIG_TEST(evidence))
