@@ -130,8 +130,9 @@ typedef struct {
     wall_score sum;
     double worst, surest; /* error of a case; mean confidence of one of which more than a tenth is cut */
     char worst_name[64], surest_name[64];
-    uint32_t count;
-    uint32_t refused; /* cases that the method does not clip */
+    double worst_cut;
+    uint32_t count, harmed; /* of which more than 2 % of the fetus' rays are cut */
+    uint32_t refused;       /* cases that the method does not clip */
     uint32_t answers[SURF_ANSWERS];
     wall_calibration calibration;
 } site_score;
@@ -266,6 +267,9 @@ typedef struct {
 
 /* The mean filter at its best q, and `wall`. */
 site_methods site_methods_default(const char *plugin);
+
+/* Judges a frame of an open session, and adds what comes of it to `to`. */
+bool site_judge_case(surf_session *s, const wall_case *c, site_score *to, wall_score *score, hs_error *err);
 
 /* Judges an open session on a set; `q` gets the best one, or -1 if the method is taken as it is set. `each`
  * (count numbers, may be NULL) gets every case's score. */

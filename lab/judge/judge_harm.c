@@ -216,50 +216,15 @@ bool site_occluded_make(const wall_case *from, wall_case *out, hs_error *err) {
 /* ------------------------------------------------------------------------------------------ do no harm -- */
 
 enum { TURNS = 12 };
-static const double allowed = 0.02; /* share of the fetus that may be cut */
 
-/* One method on one kind of volume. */
-typedef struct {
-    wall_score sum;
-    uint32_t count, refused, harmed;
-    double worst_cut, worst_error, confidence;
-} tally;
-
-static void add_score(tally *t, const wall_case *c, const surf_session *s, const wall_score *score) {
-    const bool refused = !surf_session_clips(s);
-    double sure = 0.0, rays = 0.0;
-    for (size_t i = 0; i < (size_t)c->nx * c->ny; i++) {
-        if (c->label[i] == 0) continue;
-        sure += (double)s->confidence[i];
-        rays += 1.0;
-    }
-    t->sum.error += score->error;
-    t->sum.cut += score->cut;
-    t->sum.left += score->left;
-    t->worst_cut = fmax(t->worst_cut, score->cut);
-    t->worst_error = fmax(t->worst_error, score->error);
-    t->harmed += score->cut > allowed;
-    t->refused += refused;
-    if (!refused && rays > 0.0) t->confidence += sure / rays;
-    t->count++;
-}
-
-static bool judge_volume(surf_session *s, const wall_case *c, tally *t, hs_error *err) {
-    wall_calibration unused = {0};
-    if (!surf_session_frame(s, c, err)) return false;
-    const wall_score score = wall_judge(c, c->full, s->depth, s->confidence, &unused);
-    add_score(t, c, s, &score);
-    return true;
-}
-
-static void print_tally(const char *what, const char *method, const tally *t, bool sure) {
-    const double n = t->count ? t->count : 1.0;
-    printf(
-        "  %-22s %-18s %3u of %3u refused, %3u cut above %.0f %%; cut %5.2f, worst %5.1f; error %6.2f, worst "
-        "%6.2f; left %5.1f",
-        what, method, t->refused, t->count, t->harmed, 100.0 * allowed, 100.0 * t->sum.cut / n,
-        100.0 * t->worst_cut, t->sum.error / n, t->worst_error, 100.0 * t->sum.left / n);
-    if (sure && t->count > t->refused) printf("; confidence %.2f", t->confidence / (t->count - t->refused));
+static void print_score(const char *what, const char *method, const site_score *s, bool sure) {
+    const wall_score mean = site_score_mean(s);
+    printf("  %-22s %-18s %3u of %3u refused, %3u cut above 2 %%; cut %5.2f, worst %5.1f; error %6.2f, worst "
+           "%6.2f; left %5.1f",
+           what, method, s->refused, s->count, s->harmed, 100.0 * mean.cut, 100.0 * s->worst_cut, mean.error,
+           s->worst, 100.0 * mean.left);
+    if (sure && s->count > s->refused)
+        printf("; confidence %.2f", s->sum.confidence / (s->count - s->refused));
     printf("\n");
     (void)fflush(stdout);
 }
@@ -284,29 +249,31 @@ static bool open_team(team *t, const site_methods *methods, hs_error *err) {
     return true;
 }
 
-static bool judge_all(team *t, const wall_case *c, tally tallies[SITE_MAX_METHODS], hs_error *err) {
+static bool judge_all(team *t, const wall_case *c, site_score scores[SITE_MAX_METHODS], hs_error *err) {
+    wall_score unused;
     for (uint32_t i = 0; i < t->methods->count; i++)
-        if (!judge_volume(&t->at[i], c, &tallies[i], err)) return false;
+        if (!site_judge_case(&t->at[i], c, &scores[i], &unused, err)) return false;
     return true;
 }
 
-static void print_all(const team *t, const char *what, const tally tallies[SITE_MAX_METHODS]) {
+static void print_all(const team *t, const char *what, const site_score scores[SITE_MAX_METHODS]) {
     for (uint32_t i = 0; i < t->methods->count; i++)
-        print_tally(what, t->methods->method[i].settings, &tallies[i], t->at[i].sure);
+        print_score(what, t->methods->method[i].settings, &scores[i], t->at[i].sure);
 }
 
 static bool print_variants(team *t, const site_set *set, hs_error *err) {
     printf("%s\n", set->title);
     for (int kind = 0; kind < SITE_VARIANTS; kind++) {
-        tally tallies[SITE_MAX_METHODS] = {0};
+        static site_score scores[SITE_MAX_METHODS]; /* too large for the stack */
+        memset(scores, 0, sizeof scores);
         for (uint32_t n = 0; n < set->count; n++) {
             wall_case c;
             if (!site_variant_make(&set->cases[n], (site_variant)kind, &c, err)) return false;
-            const bool ok = judge_all(t, &c, tallies, err);
+            const bool ok = judge_all(t, &c, scores, err);
             wall_case_free(&c);
             if (!ok) return false;
         }
-        print_all(t, site_variant_name((site_variant)kind), tallies);
+        print_all(t, site_variant_name((site_variant)kind), scores);
     }
     return true;
 }
@@ -323,40 +290,40 @@ static const char *row_name(int row) {
     return row == FINE_ROW ? "fine, behind occluders" : "behind occluders";
 }
 
-static bool judge_row(team *t, const wall_case *view, int row, tally tallies[SITE_MAX_METHODS],
+static bool judge_row(team *t, const wall_case *view, int row, site_score scores[SITE_MAX_METHODS],
                       hs_error *err) {
     wall_case c;
     if (row < SITE_BARE_VIEWS ? !site_bare_view_make(view, (site_bare_view)row, &c, err)
                               : !site_occluded_make(view, &c, err))
         return false;
-    const bool ok = judge_all(t, &c, tallies, err);
+    const bool ok = judge_all(t, &c, scores, err);
     wall_case_free(&c);
     return ok;
 }
 
 /* All rows of one side of a volume. */
-static bool judge_side(team *t, const wall_case *whole, int view, tally tallies[ROWS][SITE_MAX_METHODS],
+static bool judge_side(team *t, const wall_case *whole, int view, site_score scores[ROWS][SITE_MAX_METHODS],
                        hs_error *err) {
     wall_case coarse = {0}, fine = {0};
     bool ok = site_view_make(whole, view, SITE_COARSE, &coarse, err) &&
               site_view_make(whole, view, SITE_FINE, &fine, err);
     for (int row = 0; ok && row < ROWS; row++)
-        ok = judge_row(t, row == FINE_ROW ? &fine : &coarse, row, tallies[row], err);
+        ok = judge_row(t, row == FINE_ROW ? &fine : &coarse, row, scores[row], err);
     wall_case_free(&coarse);
     wall_case_free(&fine);
     return ok;
 }
 
 static bool print_views(team *t, const char *path, hs_error *err) {
-    tally tallies[ROWS][SITE_MAX_METHODS];
+    static site_score scores[ROWS][SITE_MAX_METHODS]; /* too large for the stack */
     wall_case whole;
-    memset(tallies, 0, sizeof tallies);
+    memset(scores, 0, sizeof scores);
     if (!wall_case_open(path, &whole, err)) return false;
     bool ok = true;
-    for (int i = 0; ok && i < SITE_VIEWS; i++) ok = judge_side(t, &whole, i, tallies, err);
+    for (int i = 0; ok && i < SITE_VIEWS; i++) ok = judge_side(t, &whole, i, scores, err);
     if (ok) printf("%s, %d views\n", whole.name, SITE_VIEWS);
     wall_case_free(&whole);
-    for (int row = 0; ok && row < ROWS; row++) print_all(t, row_name(row), tallies[row]);
+    for (int row = 0; ok && row < ROWS; row++) print_all(t, row_name(row), scores[row]);
     return ok;
 }
 

@@ -107,7 +107,7 @@ static bool wall_reliability(const wall_calibration *t, double low, double high,
 /* ---------------------------------------------------------------------------------------------- a site -- */
 
 enum { TENTHS = 10, LEAST_RAYS = 100 };
-static const double much_cut = 0.1;
+static const double much_cut = 0.1, harm_cut = 0.02;
 
 void site_score_add(site_score *to, const char *name, const wall_score *score) {
     to->sum.error += score->error;
@@ -121,6 +121,8 @@ void site_score_add(site_score *to, const char *name, const wall_score *score) {
         to->worst = score->error;
         (void)snprintf(to->worst_name, sizeof to->worst_name, "%s", name);
     }
+    to->worst_cut = fmax(to->worst_cut, score->cut);
+    to->harmed += score->cut > harm_cut;
     if (score->cut > much_cut && score->confidence > to->surest) {
         to->surest = score->confidence;
         (void)snprintf(to->surest_name, sizeof to->surest_name, "%s", name);

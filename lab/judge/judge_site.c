@@ -2,6 +2,7 @@
 #include "judge/judge.h"
 
 #include <glob.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -155,28 +156,31 @@ site_methods site_methods_default(const char *plugin) {
         .plugin = plugin, .method = {{"method=mean", true}, {"method=wall", false}}, .count = 2};
 }
 
-/* One frame, judged. */
-static bool judge_case(surf_session *s, const wall_case *c, wall_calibration *calibration, wall_score *out,
-                       hs_error *err) {
+bool site_judge_case(surf_session *s, const wall_case *c, site_score *to, wall_score *score, hs_error *err) {
     if (!surf_session_frame(s, c, err)) return false;
-    *out = wall_judge(c, c->full, s->depth, s->confidence, calibration);
+    *score = wall_judge(c, c->full, s->depth, s->confidence, &to->calibration);
+    site_score_add(to, c->name, score);
+    to->refused += !surf_session_clips(s);
+    to->answers[s->answer]++;
+    return true;
+}
+
+static bool judge_set(surf_session *s, const site_set *set, site_score *out, wall_score *each,
+                      hs_error *err) {
+    wall_score unused;
+    *out = (site_score){0};
+    for (uint32_t n = 0; n < set->count; n++)
+        if (!site_judge_case(s, &set->cases[n], out, each ? &each[n] : &unused, err)) return false;
     return true;
 }
 
 static bool find_q(surf_session *s, const site_set *set, double *q, hs_error *err) {
-    double least = 0.0;
-    *q = -1.0;
+    double least = INFINITY;
     for (int i = 0; i < QS; i++) {
-        wall_calibration unused = {0};
-        double sum = 0.0;
-        if (!surf_session_set(s, "q", q_step * i, err)) return false;
-        for (uint32_t n = 0; n < set->count; n++) {
-            wall_score score;
-            if (!judge_case(s, &set->cases[n], &unused, &score, err)) return false;
-            sum += score.error;
-        }
-        if (*q >= 0.0 && sum >= least) continue;
-        least = sum;
+        site_score score;
+        if (!surf_session_set(s, "q", q_step * i, err) || !judge_set(s, set, &score, NULL, err)) return false;
+        if (score.sum.error >= least) continue;
+        least = score.sum.error;
         *q = q_step * i;
     }
     return surf_session_set(s, "q", *q, err);
@@ -184,18 +188,8 @@ static bool find_q(surf_session *s, const site_set *set, double *q, hs_error *er
 
 bool site_judge(surf_session *s, const site_set *set, bool best_q, site_score *out, double *q,
                 wall_score *each, hs_error *err) {
-    *out = (site_score){0};
     *q = -1.0;
-    if (best_q && !find_q(s, set, q, err)) return false;
-    for (uint32_t n = 0; n < set->count; n++) {
-        wall_score score;
-        if (!judge_case(s, &set->cases[n], &out->calibration, &score, err)) return false;
-        site_score_add(out, set->cases[n].name, &score);
-        out->refused += !surf_session_clips(s);
-        out->answers[s->answer]++;
-        if (each) each[n] = score;
-    }
-    return true;
+    return (!best_q || find_q(s, set, q, err)) && judge_set(s, set, out, each, err);
 }
 
 typedef struct {
