@@ -67,6 +67,9 @@ void wall_case_change_near(wall_case *c, uint32_t slices, double gain, double bl
 
 void wall_case_free(wall_case *c);
 
+/* A case like another with room for everything, `lead` slices longer; all zeros, no admissible depths. */
+bool wall_case_room(const wall_case *from, uint32_t lead, wall_case *out, hs_error *err);
+
 /* The full volume as the wall's definition takes it; borrows the case's arrays. */
 sv_wall_volume wall_case_volume(const wall_case *c);
 

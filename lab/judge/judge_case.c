@@ -390,28 +390,27 @@ static void turn_told(const wall_case *c, const mapping *m, sv_frame *told) {
     }
 }
 
-static bool make_room(const wall_case *c, wall_case *to) {
-    const size_t plane = (size_t)c->nx * c->ny;
-    *to = *c;
-    to->near = to->far = NULL; /* they hold for the rays of `c` */
-    to->full = calloc(plane, c->nz);
-    to->clean = calloc(plane, c->nz);
-    to->first = calloc(plane, sizeof *to->first);
-    to->end = calloc(plane, sizeof *to->end);
-    to->label = calloc(plane, 1);
-    to->truth = calloc(plane, sizeof *to->truth);
-    return to->full && to->clean && to->first && to->end && to->label && to->truth;
+bool wall_case_room(const wall_case *from, uint32_t lead, wall_case *out, hs_error *err) {
+    const size_t plane = (size_t)from->nx * from->ny, count = plane * (from->nz + lead);
+    *out = *from;
+    out->nz += lead;
+    out->near = out->far = NULL; /* they hold for the rays of `from` */
+    out->full = calloc(count, 1);
+    out->clean = calloc(count, 1);
+    out->first = calloc(plane, sizeof *out->first);
+    out->end = calloc(plane, sizeof *out->end);
+    out->label = calloc(plane, 1);
+    out->truth = calloc(plane, sizeof *out->truth);
+    if (out->full && out->clean && out->first && out->end && out->label && out->truth) return true;
+    wall_case_free(out);
+    return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for a variant of %zu voxels", from->name, count);
 }
 
 bool wall_case_tilt(wall_case *c, const double degrees[2], hs_error *err) {
     const mapping m = mapping_of(c, degrees);
     const size_t plane = (size_t)c->nx * c->ny;
     wall_case to;
-    if (!make_room(c, &to)) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory to turn it", c->name);
-        wall_case_free(&to);
-        return false;
-    }
+    if (!wall_case_room(c, 0, &to, err)) return false;
     (void)snprintf(to.name, sizeof to.name, "%.40s %.0f,%.0f", c->name, degrees[0], degrees[1]);
     turn_told(c, &m, &to.told);
     for (uint32_t y = 0; y < c->ny; y++)

@@ -38,23 +38,6 @@ static size_t plane_of(const wall_case *c) {
     return (size_t)c->nx * c->ny;
 }
 
-/* A case with room for everything, `lead` slices longer than `from`; all zeros. */
-static bool make_like(const wall_case *from, uint32_t lead, wall_case *out, hs_error *err) {
-    const size_t plane = plane_of(from), count = plane * (from->nz + lead);
-    *out = (wall_case){.nx = from->nx, .ny = from->ny, .nz = from->nz + lead};
-    memcpy(out->name, from->name, sizeof out->name);
-    memcpy(out->spacing_mm, from->spacing_mm, sizeof out->spacing_mm);
-    out->full = calloc(count, 1);
-    out->clean = calloc(count, 1);
-    out->first = calloc(plane, sizeof *out->first);
-    out->end = calloc(plane, sizeof *out->end);
-    out->label = calloc(plane, 1);
-    out->truth = calloc(plane, sizeof *out->truth);
-    if (out->full && out->clean && out->first && out->end && out->label && out->truth) return true;
-    wall_case_free(out);
-    return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for a variant of %zu voxels", from->name, count);
-}
-
 /* The fetus is whatever can be seen; its truth is the volume as it is. */
 static void nothing_hides(wall_case *c, bool relabel) {
     const size_t plane = plane_of(c);
@@ -137,7 +120,7 @@ bool site_variant_make(const wall_case *from, site_variant kind, wall_case *out,
     if (levels < LEAST_POOL)
         return hs_fail(err, HS_ERR_INPUT, "%s: %zu voxels of fluid before the surface, expected %d or more",
                        from->name, levels, LEAST_POOL);
-    if (!make_like(from, 0, out, err)) return false;
+    if (!wall_case_room(from, 0, out, err)) return false;
     const ellipsoid bladder = place_bladder(from);
     memcpy(out->full, from->full, plane * from->nz);
     memcpy(out->first, from->first, plane * sizeof *out->first);
@@ -165,7 +148,7 @@ bool site_bare_view_make(const wall_case *from, site_bare_view kind, wall_case *
     const uint32_t lead = behind ? LEAD : 0;
     const size_t plane = plane_of(from);
     uint32_t state = 1;
-    if (!make_like(from, lead, out, err)) return false;
+    if (!wall_case_room(from, lead, out, err)) return false;
     memcpy(out->full + lead * plane, from->full, plane * from->nz);
     for (size_t i = 0; i < plane; i++) {
         const bool seen = from->first[i] < from->end[i];
