@@ -112,6 +112,10 @@ else
     echo "no python3: JUnit's XML is not read"
 fi
 
+# Too few descriptors are not the plugin's fault.
+(ulimit -n 32 && "$validate" "$right" > "$work/out" 2>&1)
+[ $? -eq 7 ] && grep -q 'may open 32 files (ulimit -n), 64 are needed' "$work/out" || { echo "too few descriptors"; failed=1; }
+
 # A full disk is no success.
 "$validate" --list > /dev/full 2> /dev/null
 [ $? -eq 6 ] || { echo "a full disk is no error: --list"; failed=1; }

@@ -19,6 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -174,6 +175,15 @@ static bool take_only(void *all, const char *ids, hs_error *err) {
     return true;
 }
 
+/* What this process may not open would be told as the plugin's fault. */
+static bool may_open_files(hs_error *err) {
+    enum { NEEDED = 64 };
+    struct rlimit files;
+    return getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= NEEDED ||
+           hs_fail(err, HS_ERR_MEMORY, "this process may open %llu files (ulimit -n), %d are needed",
+                   (unsigned long long)files.rlim_cur, NEEDED);
+}
+
 /* A regular file that begins as a shared library does. */
 static bool find_library(command *c, const char *path, hs_error *err) {
     struct stat info;
@@ -258,7 +268,7 @@ static bool parse(command *c, int argc, char **argv, bool *done, hs_error *err) 
     if (*done) return false;
     if (argc - next != 1)
         return hs_fail(err, HS_ERR_USAGE, argc == next ? "no library given" : "more than one library given");
-    return hs_output_try(c->junit, err) && find_library(c, argv[next], err);
+    return hs_output_try(c->junit, err) && may_open_files(err) && find_library(c, argv[next], err);
 }
 
 /* Runs what was asked for. Returns the exit code. */
