@@ -165,9 +165,9 @@ int32_t hs_seen_take(hs_seen_volume *v) {
     }
     filling f = {v, &levels};
     volume = volume_of(v);
-    const uint32_t threads = hs_thread_count(0);
     const bool guess = v->padding == HS_SEEN_AUTO && !v->mask && !levels.gaps;
-    if (!(guess ? hs_volume_fill_marked : hs_volume_fill)(&volume, threads, fill, &f, &last)) return 0;
+    if (!hs_volume_fill(&volume, hs_thread_count(0), fill, &f, &last)) return 0;
+    if (guess && !hs_volume_mark_unscanned(&volume, &last)) return 0;
     if (v->padding == HS_SEEN_ALL_SCANNED && !v->mask) hs_volume_mark_all_scanned(&volume);
     for (size_t i = 0; v->mask && i < count_of(v); i++)
         v->levels[i] = !v->mask[i] ? 0 : v->levels[i] ? v->levels[i] : 1;

@@ -308,9 +308,9 @@ static bool fill(hs_metaimage *m, uint32_t index, hs_volume *out) {
     reading r = {.file = m, .first = (uint64_t)m->frames[index] * hs_volume_count(out)};
     const uint32_t threads = hs_met_voxels_threads(m->voxels);
     /* Of values that are no numbers the file says itself what was not scanned: no zero is a guess. */
-    const bool ok = m->options.padding == HS_PADDING_AUTO && !m->levels.gaps && !m->maps
-                        ? hs_volume_fill_marked(out, threads, read_piece, &r, m->err)
-                        : hs_volume_fill(out, threads, read_piece, &r, m->err);
+    const bool guess = m->options.padding == HS_PADDING_AUTO && !m->levels.gaps && !m->maps;
+    const bool ok = hs_volume_fill(out, threads, read_piece, &r, m->err) &&
+                    (!guess || hs_volume_mark_unscanned(out, m->err));
     if (ok && m->maps) hs_scanned_maps_mark(out, m->maps);
     return ok && (index + 1 < m->valid || reach_end(m));
 }

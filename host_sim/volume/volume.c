@@ -181,7 +181,7 @@ void hs_volume_mark_all_scanned(hs_volume *volume) {
     hs_raise_zeros(volume->voxels, hs_volume_count(volume));
 }
 
-enum { PIECE = 1 << 16 }; /* voxels, about: a cache holds them between being filled and being looked at */
+enum { PIECE = 1 << 16 }; /* voxels, about: enough to keep a thread busy */
 
 static uint32_t rows_of_piece(const hs_volume *volume) {
     return volume->nx < PIECE ? PIECE / volume->nx : 1;
@@ -192,13 +192,6 @@ static uint32_t count_pieces(const hs_volume *volume) {
     return (uint32_t)((rows + step - 1) / step);
 }
 
-/* The first row of a piece, and the first one behind it. */
-static void piece_rows(const hs_volume *volume, uint32_t piece, size_t *first, size_t *end) {
-    const size_t rows = (size_t)volume->ny * volume->nz, step = rows_of_piece(volume);
-    *first = piece * step;
-    *end = rows - *first < step ? rows : *first + step;
-}
-
 typedef struct {
     hs_volume *volume;
     hs_fill_fn fill;
@@ -207,10 +200,9 @@ typedef struct {
 
 static bool fill_piece(void *context, uint32_t piece, hs_error *err) {
     const filling *f = context;
-    size_t first, end;
-    if (!f->fill) return true;
-    piece_rows(f->volume, piece, &first, &end);
-    const size_t at = first * f->volume->nx, count = (end - first) * f->volume->nx;
+    const size_t rows = (size_t)f->volume->ny * f->volume->nz, step = rows_of_piece(f->volume);
+    const size_t first = piece * step, left = rows - first;
+    const size_t at = first * f->volume->nx, count = (left < step ? left : step) * f->volume->nx;
     return f->fill(f->context, at, count, f->volume->voxels + at, err);
 }
 
@@ -222,12 +214,12 @@ bool hs_volume_fill(hs_volume *volume, uint32_t threads, hs_fill_fn fill, void *
 /*
  * Flood fill from the border through zeros, 64 voxels at a time. A row of voxels (fixed y, z) is a run of
  * words, one bit a voxel. What is reached along the rows themselves is marked while the voxels are read,
- * once. Only open rows, which have zeros that are not reached, are looked at again: they wait in a ring, each
- * at most once, and a row that gains a bit makes its open neighbours wait. So the memory is fixed in advance,
- * whatever the shape of the region.
+ * once, by all threads. Only open rows, which have zeros that are not reached, are looked at again: they wait
+ * in a ring, each at most once, and a row that gains a bit makes its open neighbours wait. So the memory is
+ * fixed in advance, whatever the shape of the region.
  */
 typedef struct {
-    filling filling;
+    hs_volume *volume;
     uint32_t rows_y, rows_z; /* rows of the volume: ny, nz */
     size_t words;            /* 64-bit words in a row */
     uint64_t *zero;          /* bit set: the voxel is 0 */
@@ -246,9 +238,8 @@ static void flood_free(flood *f) {
     free(f->open);
 }
 
-static bool flood_init(flood *f, const filling *from) {
-    const hs_volume *volume = from->volume;
-    *f = (flood){.filling = *from};
+static bool flood_init(flood *f, hs_volume *volume) {
+    *f = (flood){.volume = volume};
     f->rows_y = volume->ny;
     f->rows_z = volume->nz;
     f->words = ((size_t)volume->nx + 63) / 64;
@@ -325,8 +316,8 @@ static bool spread_along(const uint64_t *zero, uint64_t *reached, size_t n) {
 
 /* Marks the zeros of a row, and as reached those on the volume's border and what they lead to in the row. */
 static void flood_seed(flood *f, size_t row) {
-    const size_t nx = f->filling.volume->nx, last = (nx - 1) / 64, y = row % f->rows_y, z = row / f->rows_y;
-    const uint8_t *voxels = f->filling.volume->voxels + row * nx;
+    const size_t nx = f->volume->nx, last = (nx - 1) / 64, y = row % f->rows_y, z = row / f->rows_y;
+    const uint8_t *voxels = f->volume->voxels + row * nx;
     uint64_t *zero = f->zero + row * f->words, *reached = f->reached + row * f->words, any = 0;
     for (size_t w = 0; w < f->words; w++) {
         const uint64_t bits = zero_bits(voxels + w * 64, w < last ? 64 : nx - last * 64);
@@ -343,13 +334,9 @@ static void flood_seed(flood *f, size_t row) {
     f->open[row] = spread_along(zero, reached, f->words);
 }
 
-static bool fill_and_seed(void *context, uint32_t piece, hs_error *err) {
+static void seed_slice(void *context, uint32_t z) {
     flood *f = context;
-    size_t first, end;
-    if (!fill_piece(&f->filling, piece, err)) return false;
-    piece_rows(f->filling.volume, piece, &first, &end);
-    for (size_t row = first; row < end; row++) flood_seed(f, row);
-    return true;
+    for (size_t y = 0; y < f->rows_y; y++) flood_seed(f, (size_t)z * f->rows_y + y);
 }
 
 /* Takes over what the four neighbouring rows reached, spreads it along the row. True if the row gained a bit.
@@ -384,7 +371,7 @@ static void flood_run(flood *f) {
 static void flood_raise_inner(const flood *f) {
     const size_t rows = (size_t)f->rows_y * f->rows_z;
     for (size_t row = 0; row < rows; row++) {
-        uint8_t *voxels = f->filling.volume->voxels + row * f->filling.volume->nx;
+        uint8_t *voxels = f->volume->voxels + row * f->volume->nx;
         for (size_t w = 0; f->open[row] && w < f->words; w++) {
             const size_t i = row * f->words + w;
             uint64_t inner = f->zero[i] & ~f->reached[i];
@@ -393,23 +380,17 @@ static void flood_raise_inner(const flood *f) {
     }
 }
 
-bool hs_volume_fill_marked(hs_volume *volume, uint32_t threads, hs_fill_fn fill, void *context,
-                           hs_error *err) {
+bool hs_volume_mark_unscanned(hs_volume *volume, hs_error *err) {
     if (volume->nx == 0 || volume->ny == 0 || volume->nz == 0) return true; /* a freed one */
     flood f;
-    const filling from = {.volume = volume, .fill = fill, .context = context};
-    bool ok = flood_init(&f, &from) ||
-              hs_fail(err, HS_ERR_MEMORY, "%s: no memory to find the unscanned region of %zu voxels",
-                      volume->name, hs_volume_count(volume));
-    ok = ok && hs_parallel_try(threads, count_pieces(volume), fill_and_seed, &f, err);
+    const bool ok = flood_init(&f, volume) ||
+                    hs_fail(err, HS_ERR_MEMORY, "%s: no memory to find the unscanned region of %zu voxels",
+                            volume->name, hs_volume_count(volume));
     if (ok) {
+        hs_parallel(hs_thread_count(0), volume->nz, seed_slice, &f);
         flood_run(&f);
         flood_raise_inner(&f);
     }
     flood_free(&f);
     return ok;
-}
-
-bool hs_volume_mark_unscanned(hs_volume *volume, hs_error *err) {
-    return hs_volume_fill_marked(volume, hs_thread_count(0), NULL, NULL, err);
 }

@@ -157,11 +157,6 @@ typedef bool (*hs_fill_fn)(void *context, size_t first, size_t count, uint8_t *o
  * `fill` said about the first piece that failed. */
 bool hs_volume_fill(hs_volume *volume, uint32_t threads, hs_fill_fn fill, void *context, hs_error *err);
 
-/* The same, and what hs_volume_mark_unscanned does, while the voxels are still in the cache: a pass over
- * memory less. */
-bool hs_volume_fill_marked(hs_volume *volume, uint32_t threads, hs_fill_fn fill, void *context,
-                           hs_error *err);
-
 /* Keeps as 0 only the zeros that are connected (6-neighbourhood) to the volume's border through zeros, and
  * raises every other zero to 1. Needs a quarter of the volume's size for a while; false (HS_ERR_MEMORY,
  * volume unchanged) if that runs out. */

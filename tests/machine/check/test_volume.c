@@ -218,12 +218,11 @@ static bool fill_pattern(void *context, size_t first, size_t count, uint8_t *out
     return true;
 }
 
-static void expect_pattern(const hs_volume *volume, const hs_volume *expected) {
-    for (size_t i = 0; i < FILL; i++)
-        assert_int_equal(volume->voxels[i], expected ? expected->voxels[i] : pattern_at(i));
+static void expect_pattern(const hs_volume *volume) {
+    for (size_t i = 0; i < FILL; i++) assert_int_equal(volume->voxels[i], pattern_at(i));
 }
 
-/* Every voxel once, with one thread in order; marking on the way is what marking afterwards is. */
+/* Every voxel once, with one thread in order. */
 static void a_volume_is_filled_in_pieces(void **state) {
     hs_error err = {0};
     hs_volume plain = make(FILL_X, FILL_Y, FILL_Z);
@@ -231,16 +230,10 @@ static void a_volume_is_filled_in_pieces(void **state) {
     assert_true(hs_volume_fill(&plain, 1, fill_pattern, &in_order, &err));
     assert_true(in_order.calls > 2);
     assert_int_equal(in_order.next, FILL);
-    expect_pattern(&plain, NULL);
+    expect_pattern(&plain);
     memset(plain.voxels, 0, FILL);
     assert_true(hs_volume_fill(&plain, 8, fill_pattern, &at_once, &err));
-    expect_pattern(&plain, NULL);
-    mark(&plain);
-    for (uint32_t threads = 1; threads <= 8; threads *= 8) {
-        hs_volume marked = make(FILL_X, FILL_Y, FILL_Z);
-        assert_true(hs_volume_fill_marked(&marked, threads, fill_pattern, &at_once, &err));
-        expect_pattern(&marked, &plain);
-    }
+    expect_pattern(&plain);
 }
 
 /* The ends count, and what rounding leaves of them. */
@@ -264,15 +257,13 @@ static void a_box_keeps_what_lies_in_it(void **state) {
 
 static void the_first_failure_is_told(void **state) {
     hs_volume volume = make(FILL_X, FILL_Y, FILL_Z);
-    for (uint32_t threads = 1; threads <= 8; threads++)
-        for (int marked = 0; marked < 2; marked++) {
-            pattern p = {.fail_from = FILL / 2}; /* in the second piece, and in all behind it */
-            hs_error err = {0};
-            assert_false(
-                (marked ? hs_volume_fill_marked : hs_volume_fill)(&volume, threads, fill_pattern, &p, &err));
-            assert_int_equal(err.code, HS_ERR_INPUT);
-            assert_string_equal(err.text, "piece at 65400"); /* 218 rows of 300 */
-        }
+    for (uint32_t threads = 1; threads <= 8; threads++) {
+        pattern p = {.fail_from = FILL / 2}; /* in the second piece, and in all behind it */
+        hs_error err = {0};
+        assert_false(hs_volume_fill(&volume, threads, fill_pattern, &p, &err));
+        assert_int_equal(err.code, HS_ERR_INPUT);
+        assert_string_equal(err.text, "piece at 65400"); /* 218 rows of 300 */
+    }
 }
 
 UNIT_MAIN(NULL, NULL, cmocka_unit_test(sizes_outside_the_limits_are_refused),
