@@ -23,8 +23,6 @@ code 0
 holds [ "$(grep -cE '^(E0[1-4]|M0[1-3]|D0[12]|real) ' "$work/stdout")" -eq 10 ]
 holds [ "$(grep -cE '^H(0[1-9]|1[0-6]) ' "$work/stdout")" -eq 16 ]
 cp "$work/stdout" "$work/list"
-code 0 --list
-holds cmp -s "$work/list" "$work/stdout"
 for file in "$1"/data/scenes/*.json; do
     holds grep -q "^$(basename "$file" .json) " "$work/list"
 done

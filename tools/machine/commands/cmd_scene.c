@@ -6,8 +6,6 @@
 #include "base/output_file.h"
 #include "base/paths.h"
 #include "base/text.h"
-#include "commands/look_line.h"
-#include "render/dvr_settings.h"
 #include "scene/scene.h"
 #include "scene/scene_draw.h"
 #include "scene/scene_export.h"
@@ -27,10 +25,9 @@ typedef struct {
     uint32_t frames;
     const char *sets[SETS]; /* PATH=VALUE */
     uint32_t set_count;
-    uint32_t random;         /* scenes of a random set; 0: none */
-    uint64_t random_seed;    /* of the set */
-    hs_dvr_settings drawing; /* of the sheet */
-    bool all, hard, list, ranges, json, export, vol, sheet, help;
+    uint32_t random;      /* scenes of a random set; 0: none */
+    uint64_t random_seed; /* of the set */
+    bool all, hard, ranges, json, export, vol, sheet, help;
 } scene_line;
 
 static bool take_set(void *target, const char *text, hs_error *err) {
@@ -46,7 +43,6 @@ static bool take_format(void *vol, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(scene_line, field)
 static const hs_option options[] = {
-    {"list", NULL, "the built-in scenes, one line each\n", HS_OPTION_FLAG, AT(list), 0, 0, NULL},
     {"all", NULL, "the nine cases of the thesis\n", HS_OPTION_FLAG, AT(all), 0, 0, NULL},
     {"hard", NULL, "the hard cases, H01 and on\n", HS_OPTION_FLAG, AT(hard), 0, 0, NULL},
     {"random", "N", "the first N scenes of a random set, 1 .. 100000; --seed is the set's (default 1)\n",
@@ -78,10 +74,6 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, AT(vol), 0, 0, take_format},
     {"sheet", NULL, "write <name>_sheet.png, a contact sheet (needs an OpenCL device)\n", HS_OPTION_FLAG,
      AT(sheet), 0, 0, NULL},
-    {"look", "NAME", "how the sheet's renderings are drawn: thesis or lit (default lit)\n", HS_OPTION_TAKEN,
-     AT(drawing.look), 0, 0, hs_look_line_look},
-    {"light", "AZ,EL", "where the lamp of the lit look is, degrees: right, up (default -35,40)\n",
-     HS_OPTION_TAKEN, AT(drawing.light), 0, 0, hs_look_line_light},
     {"out", "FOLDER", "where files go (default out/scenes)\n", HS_OPTION_TEXT, AT(out), 0, 0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
 };
@@ -101,8 +93,6 @@ static bool check_choice(scene_line *r, const char *named, hs_error *err) {
 
 static bool parse(int argc, char **argv, scene_line *r, hs_error *err) {
     *r = (scene_line){.out = "out/scenes", .options = {.size = 256}, .frames = 1};
-    hs_dvr_defaults(&r->drawing);
-    r->drawing.look = HS_LOOK_LIT;
     int next = argc;
     if (!hs_options_read(argc, argv, options, r, &next, &r->help, err)) return false;
     if (r->help) return true;
@@ -159,7 +149,7 @@ static bool write_sheet(const scene_line *r, const hs_scene *scene, const char *
     snprintf(file, sizeof file, "%s_sheet.png", name);
     snprintf(title, sizeof title, "%s: %s", name, hs_scene_title(scene));
     if (!hs_path_join(r->out, file, path, sizeof path, err)) return false;
-    if (!hs_scene_sheet(cl, &r->drawing, data, title, &picture, err)) return false;
+    if (!hs_scene_sheet(cl, data, title, &picture, err)) return false;
     bool ok = hs_picture_save(&picture, path, err);
     hs_picture_free(&picture);
     return ok;
@@ -261,7 +251,7 @@ int hs_cmd_scene(int argc, char **argv) {
         print_ranges();
         return HS_OK;
     }
-    const bool make = !r.list && (r.all || r.hard || r.random || optind < argc);
+    const bool make = r.all || r.hard || r.random || optind < argc;
     bool ok = make ? make_scenes(&r, argv + optind, argc - optind, &err) : list_scenes(&err);
     return ok ? HS_OK : hs_cli_fail("scenes", &err);
 }

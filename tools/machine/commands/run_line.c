@@ -103,14 +103,6 @@ static bool take_carrier(void *target, const char *text, hs_error *err) {
     return (line->carrier_given = true);
 }
 
-static bool take_fan(void *fan, const char *text, hs_error *err) {
-    static const char *const names[] = {"ranges", "padding", "nothing"};
-    uint32_t index = 0;
-    if (!hs_cli_select("--fan", text, names, 3, &index, err)) return false;
-    *(hs_fan *)fan = (hs_fan)(HS_FAN_RANGES + index);
-    return true;
-}
-
 static bool take_setting(void *request, const char *text, hs_error *err) {
     static const char *const names[] = {"dvr", "convert", "smartvis", "all"};
     hs_run_request *const r = request;
@@ -195,10 +187,6 @@ static const hs_option options[] = {
      "the plugin picks its own device and queue\n"
      "[or, where the plugin takes no such slabs, as it does take them]\n",
      HS_OPTION_FLAG, AT(loop.own_queue), 0, 0, NULL},
-    {"fan", "HOW",
-     "how the plugin is told what was scanned: ranges, padding, nothing\n"
-     "[ranges if it takes them, else padding]\n",
-     HS_OPTION_TAKEN, AT(loop.fan), 0, 0, take_fan},
     {"slab", "N", "slices of a slab [16]\n", HS_OPTION_COUNT, AT(loop.slab_slices), 1, 8192, NULL},
     {"lowres", "N",
      "pixels across the low-resolution volume [1 mm each; a third of the\n"

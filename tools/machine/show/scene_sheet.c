@@ -139,15 +139,14 @@ static bool draw_facts(sheet *s) {
 
 typedef enum { RESULT_FULL, RESULT_TRUTH, RESULT_MIP } rendered;
 
-/* The lit look cuts the full volume at the truth's surface, so that a cut is drawn as one; the thesis' shows
- * the truth's own volume. */
+/* The truth is the full volume cut at its surface, so that a cut is drawn as one. */
 static bool enqueue(sheet *s, const hs_cl *cl, hs_dvr *dvr, rendered what, hs_device_volume *source,
                     cl_mem to) {
     hs_camera camera;
     hs_start_depths start = {0};
     hs_camera_look(&camera, &s->data->full, 0.0, 0.0);
     if (what == RESULT_MIP) return hs_dvr_mip(dvr, source, &camera, to, NULL, s->err);
-    const bool cut = what == RESULT_TRUTH && s->settings.look == HS_LOOK_LIT;
+    const bool cut = what == RESULT_TRUTH;
     const bool ok = (!cut || hs_truth_surface(cl, s->data, &camera, &start, s->err)) &&
                     hs_dvr_render(dvr, source, &camera, cut ? &start : NULL, to, NULL, NULL, s->err);
     if (start.depth) (void)clReleaseMemObject(start.depth);
@@ -156,8 +155,8 @@ static bool enqueue(sheet *s, const hs_cl *cl, hs_dvr *dvr, rendered what, hs_de
 
 /* Renders into s->rgba, or the maximum projection into s->mip. */
 static bool render(sheet *s, const hs_cl *cl, hs_dvr *dvr, rendered what) {
-    const bool truth = what == RESULT_TRUTH && s->settings.look != HS_LOOK_LIT, mip = what == RESULT_MIP;
-    hs_device_volume *source = hs_device_volume_create(cl, truth ? &s->data->truth : &s->data->full, s->err);
+    const bool mip = what == RESULT_MIP;
+    hs_device_volume *source = hs_device_volume_create(cl, &s->data->full, s->err);
     if (!source) return false;
     const size_t bytes = (size_t)RENDER * RENDER * (mip ? 1 : 4);
     cl_mem buffer = NULL;
@@ -193,11 +192,13 @@ static bool draw_all(sheet *s, const hs_cl *cl, const char *title) {
            draw_facts(s);
 }
 
-bool hs_scene_sheet(const hs_cl *cl, const hs_dvr_settings *drawing, const hs_scene_data *data,
-                    const char *title, hs_picture *out, hs_error *err) {
+bool hs_scene_sheet(const hs_cl *cl, const hs_scene_data *data, const char *title, hs_picture *out,
+                    hs_error *err) {
     const uint32_t width = GAP + COLUMNS * (CELL + GAP), height = HEADER + ROWS * (CELL + CAPTION + GAP);
     if (!hs_picture_init(out, width, height, HS_COLOUR_BACKGROUND, err)) return false;
-    sheet s = {.out = out, .data = data, .settings = *drawing, .err = err};
+    sheet s = {.out = out, .data = data, .err = err};
+    hs_dvr_defaults(&s.settings);
+    s.settings.look = HS_LOOK_LIT;
     s.settings.width = s.settings.height = RENDER;
     s.rgba = malloc((size_t)RENDER * RENDER * 4);
     s.mip = malloc((size_t)RENDER * RENDER);
