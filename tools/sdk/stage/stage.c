@@ -83,7 +83,7 @@ static void place_slabs(stage *st) {
     st->pages = pages;
     for (uint32_t n = 0; n < st->slab_count; n++) {
         uint8_t *start = st->pages + n * (each + page);
-        const size_t own = (st->length[n] + f->tiles_x - 1) / f->tiles_x * f->tile_h;
+        const size_t own = ((size_t)st->length[n] + f->tiles_x - 1) / f->tiles_x * f->tile_h;
         st->bytes[n] = st->way.exact ? min_bytes(f, st->length[n]) : own * f->row_pitch;
         st->memory[n] = st->way.exact ? start + each - st->bytes[n] : start;
         if (st->way.exact) (void)mprotect(start + each, page, PROT_NONE);

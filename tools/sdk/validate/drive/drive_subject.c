@@ -166,10 +166,10 @@ uint32_t v_param_choice(const v_subject *s, const sv_param_info *info, double *o
                 out[count++] = info->min_value + n * info->step;
         return count;
     }
+    const uint32_t half = values / 2;
     out[0] = info->min_value;
     out[1] = values > 0 ? info->min_value + (values - 1) * info->step : info->max_value;
-    out[2] =
-        values > 0 ? info->min_value + values / 2 * info->step : 0.5 * (info->min_value + info->max_value);
+    out[2] = values > 0 ? info->min_value + half * info->step : 0.5 * (info->min_value + info->max_value);
     return 3;
 }
 
