@@ -9,39 +9,9 @@
 #define SURE_OPENING   4u  /* a doubtful surface is opened over so many times what a sure one is */
 
 sv_wall_settings sv_wall_settings_default(void) {
-    return (sv_wall_settings){.block_mm = 2.0,
-                              .beam_mm = 3.0,
-                              .dilation_mm = 3.75,
-                              .window_mm = 10.0,
-                              .bright_share = 0.05,
-                              .dark_rank = 0.05,
-                              .threshold = 0.65,
-                              .dim = 0.4,
-                              .fluid_rank = 0.2,
-                              .gap_share = 0.3,
-                              .doubtful_share = 0.12,
-                              .hysteresis = 0.02,
-                              .last = SV_WALL_EMPTY,
-                              .doubtful_confidence = 0.3,
-                              .opening_mm = 24.0,
-                              .tail_rank = 0.1,
-                              .slope = 6.0,
-                              .fetus_level = 0.4,
-                              .first_run_extra = 0.95,
-                              .one_side = 0.3,
-                              .skin_mm = 5.5,
-                              .tau_mm = 7.0,
-                              .cut_cost = 15.0,
-                              .occluder_cost = 8.0,
-                              .sigma_mm = 2.9,
-                              .average_margin = 0.5,
-                              .q = 0.5,
-                              .median = true,
-                              .half_confidence_cost = 5.5,
-                              .seen_share = 0.05,
-                              .beam_seen_share = 0.1,
-                              .assumed_wall = 0.6,
-                              .assumed_spread = 0.5};
+#define VALUE(name, value) .name = (value),
+    return (sv_wall_settings){SV_WALL_CONSTANTS(VALUE).last = SV_WALL_EMPTY, .median = true};
+#undef VALUE
 }
 
 #define HAIR 1e-4 /* tolerance for a spacing that was rounded, and for the rounding of quotients */

@@ -9,55 +9,68 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Every constant of the definition: lengths in mm, ratios and ranks. An experiment may change them. */
-typedef struct {
-    double block_mm;    /* side of a block */
-    double beam_mm;     /* between the rays of the grid along the beams, about its middle */
-    double dilation_mm; /* a cell's brightness is the maximum over the cells so far to either side */
+/* Every constant of the definition, with the value that docs/surface.md states: lengths in mm, ratios and
+ * ranks. */
+/* clang-format off */
+#define SV_WALL_CONSTANTS(CONSTANT) \
+    CONSTANT(block_mm, 2.0) /* side of a block */ \
+    CONSTANT(beam_mm, 3.0) /* between the rays of the grid along the beams, about its middle */ \
+    CONSTANT(dilation_mm, 3.75) /* a cell's brightness is the maximum over cells so far to either side */ \
     /* What is bright is told within so many mm to either side, along every axis. The mean of all that is
-     * bright counts as such a share of the blocks there. */
-    double window_mm, bright_share;
-    double dark_rank; /* such a share of the blocks is darker than the dark level */
-    double threshold; /* the threshold's root is this share of the way from the dark level's to the bright */
-    double dim;       /* a block that is brighter than this share of the threshold is dim, not dark */
+     * bright counts as such a share of the blocks there. */ \
+    CONSTANT(window_mm, 10.0) \
+    CONSTANT(bright_share, 0.05) \
+    CONSTANT(dark_rank, 0.05) /* such a share of the blocks is darker than the dark level */ \
+    CONSTANT(threshold, 0.65) /* its root is this share of the way from the dark level's to the bright */ \
+    CONSTANT(dim, 0.4) /* a block that is brighter than this share of the threshold is dim, not dark */ \
     /* Of the darkest `fluid_rank` of all blocks, the share in the gaps that the surface lies in tells whether
      * there is fluid in front of the fetus: there is from `gap_share` on, there is none below
-     * `doubtful_share`, and between them it is doubtful. */
-    double fluid_rank, gap_share, doubtful_share;
+     * `doubtful_share`, and between them it is doubtful. */ \
+    CONSTANT(fluid_rank, 0.2) \
+    CONSTANT(gap_share, 0.3) \
+    CONSTANT(doubtful_share, 0.12) \
     /* Limits of shares are so far in favour of the outcome of the frame that this one continues, so that an
-     * answer does not flicker. SV_WALL_EMPTY: there was none. */
-    double hysteresis;
-    sv_wall_outcome last;
-    double doubtful_confidence; /* of a doubtful surface where a certain one has 1 */
-    double opening_mm; /* a doubtful surface has no pit narrower than this, a certain one than a part of it */
-    bool clip_doubtful;     /* clip at a doubtful surface, too; and where there is no fluid, it is doubtful */
-    double tail_rank;       /* the spread of the wall's brightness leaves such a share on either side */
-    double slope;           /* of the logistic function, per spread */
-    double fetus_level;     /* spreads above the wall where the probability of the fetus is one half */
-    double first_run_extra; /* spreads more for the first run of a ray, and for enclosed tissue */
-    double one_side;        /* weight of the general probability if the fetus is reached from one side only */
-    /* So deep is skin, which tells nothing of the run that begins with it; bone lies that far behind it. */
-    double skin_mm;
+     * answer does not flicker. */ \
+    CONSTANT(hysteresis, 0.02) \
+    CONSTANT(doubtful_confidence, 0.3) /* of a doubtful surface where a certain one has 1 */ \
+    CONSTANT(opening_mm, 24.0) /* the least pit of a doubtful surface; of a certain one a part of it */ \
+    CONSTANT(tail_rank, 0.1) /* the spread of the wall's brightness leaves such a share on either side */ \
+    CONSTANT(slope, 6.0) /* of the logistic function, per spread */ \
+    CONSTANT(fetus_level, 0.4) /* spreads above the wall where the probability of the fetus is one half */ \
+    CONSTANT(first_run_extra, 0.95) /* spreads more for the first run of a ray, and for enclosed tissue */ \
+    CONSTANT(one_side, 0.3) /* weight of the general probability if it is reached from one side only */ \
+    CONSTANT(skin_mm, 5.5) /* it tells nothing of the run that it begins; bone lies that far behind it */ \
     /* Distance to the fluid that costs 1. Darkness at the start of a ray's scan that is at most so deep is no
-     * fluid, if at least half of the rays begin with that. */
-    double tau_mm;
+     * fluid, if at least half of the rays begin with that. */ \
+    CONSTANT(tau_mm, 7.0) \
     /* The costs of cutting the fetus and of leaving an occluder. Another fluid than the first costs 1 where
-     * no fetus is seen. The sum of all is at most 31, or the sums of the Gaussian leave 24 bits. */
-    double cut_cost, occluder_cost;
-    double sigma_mm; /* lateral Gaussian over the costs; rays of the median are twice as far apart */
+     * no fetus is seen. The sum of all is at most 31, or the sums of the Gaussian leave 24 bits. */ \
+    CONSTANT(cut_cost, 15.0) \
+    CONSTANT(occluder_cost, 8.0) \
+    CONSTANT(sigma_mm, 2.9) /* lateral Gaussian over the costs; rays of the median are twice as far apart */ \
     /* Layers that cost at most this much more than the minimum are averaged, and the knob moves the surface
-     * over those that cost at most half of it more. */
-    double average_margin;
-    double q;    /* the knob: 0 far, 0.5 the surface itself, 1 near */
-    bool median; /* take the median of a ray and its eight neighbours */
+     * over those that cost at most half of it more. */ \
+    CONSTANT(average_margin, 0.5) \
+    CONSTANT(q, 0.5) /* the knob: 0 far, 0.5 the surface itself, 1 near */ \
     /* Cost of the surface at which the confidence is one half; for that, a surface in a layer as bright as
-     * the threshold costs 1 more. */
-    double half_confidence_cost;
+     * the threshold costs 1 more. */ \
+    CONSTANT(half_confidence_cost, 5.5) \
     /* So many rays must show the fetus, or nothing is clipped; and so many a wall, or the next two are
-     * assumed. */
-    double seen_share, beam_seen_share; /* the latter along the beams */
-    double assumed_wall;                /* brightness of the wall in units of the bright class' mean */
-    double assumed_spread;              /* its spread, ln of the odds */
+     * assumed. */ \
+    CONSTANT(seen_share, 0.05) \
+    CONSTANT(beam_seen_share, 0.1) /* the same along the beams */ \
+    CONSTANT(assumed_wall, 0.6) /* brightness of the wall in units of the bright class' mean */ \
+    CONSTANT(assumed_spread, 0.5) /* its spread, ln of the odds */
+/* clang-format on */
+
+/* An experiment may change them. */
+typedef struct {
+#define SV_WALL_FIELD(name, value) double name;
+    SV_WALL_CONSTANTS(SV_WALL_FIELD)
+#undef SV_WALL_FIELD
+    sv_wall_outcome last; /* of the frame that this one continues; SV_WALL_EMPTY: there was none */
+    bool clip_doubtful;   /* clip at a doubtful surface, too; and where there is no fluid, it is doubtful */
+    bool median;          /* take the median of a ray and its eight neighbours */
 } sv_wall_settings;
 
 /* The settings that docs/surface.md states. */

@@ -8,47 +8,14 @@
 
 /* ------------------------------------------------------------------------------------------- constants -- */
 
-#define WALL_CONSTANT(field)                                                                                 \
-    { #field, offsetof(sv_wall_settings, field) }
-
 /* The constant of that name, "block_mm" or another number of sv_wall_settings; NULL if there is none. */
 static double *find_constant(sv_wall_settings *s, const char *key) {
+#define NAMED(name, value) {#name, offsetof(sv_wall_settings, name)},
     static const struct {
         const char *key;
         size_t offset;
-    } all[] = {
-        WALL_CONSTANT(block_mm),
-        WALL_CONSTANT(beam_mm),
-        WALL_CONSTANT(dilation_mm),
-        WALL_CONSTANT(fluid_rank),
-        WALL_CONSTANT(window_mm),
-        WALL_CONSTANT(bright_share),
-        WALL_CONSTANT(dark_rank),
-        WALL_CONSTANT(tail_rank),
-        WALL_CONSTANT(threshold),
-        WALL_CONSTANT(dim),
-        WALL_CONSTANT(gap_share),
-        WALL_CONSTANT(opening_mm),
-        WALL_CONSTANT(doubtful_share),
-        WALL_CONSTANT(doubtful_confidence),
-        WALL_CONSTANT(hysteresis),
-        WALL_CONSTANT(slope),
-        WALL_CONSTANT(fetus_level),
-        WALL_CONSTANT(first_run_extra),
-        WALL_CONSTANT(one_side),
-        WALL_CONSTANT(skin_mm),
-        WALL_CONSTANT(tau_mm),
-        WALL_CONSTANT(cut_cost),
-        WALL_CONSTANT(occluder_cost),
-        WALL_CONSTANT(sigma_mm),
-        WALL_CONSTANT(average_margin),
-        WALL_CONSTANT(q),
-        WALL_CONSTANT(half_confidence_cost),
-        WALL_CONSTANT(seen_share),
-        WALL_CONSTANT(beam_seen_share),
-        WALL_CONSTANT(assumed_wall),
-        WALL_CONSTANT(assumed_spread),
-    };
+    } all[] = {SV_WALL_CONSTANTS(NAMED)};
+#undef NAMED
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         if (strcmp(all[i].key, key) == 0) return (double *)(void *)((char *)s + all[i].offset);
     return NULL;
