@@ -194,23 +194,16 @@ static void set_positions(hs_launch *launch, const sampling *s) {
     }
 }
 
-/* From the halved volume a work item makes a block on a CPU: what it reads fits the first-level cache, and
- * its pages the address cache, however the camera is turned. */
-static bool enqueue_halved(const hs_scan_converter *converter, const hs_launch *launch, uint32_t slices,
-                           cl_event *event, hs_error *err) {
+/* On a CPU a work item makes a packet of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl); from the
+ * halved volume a block: what it reads fits the first-level cache, and its pages the address cache, however
+ * the camera is turned. */
+static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, sampling_way way,
+                    uint32_t slices, cl_event *event, hs_error *err) {
     const hs_slab_layout *l = &converter->layout;
-    const size_t edge = converter->cl->lanes > 1 ? BLOCK : 1;
-    const size_t global[3] = {(l->width + edge - 1) / edge, (slices + edge - 1) / edge,
+    const bool packets = converter->cl->lanes > 1;
+    const size_t edge = !packets ? 1 : way == HALVED ? BLOCK : 4, deep = way == HALVED ? edge : 1;
+    const size_t global[3] = {(l->width + edge - 1) / edge, (slices + deep - 1) / deep,
                               (l->height + edge - 1) / edge};
-    return hs_launch_items(launch, 3, global, event, err);
-}
-
-/* On a CPU a work item makes a packet of 4 x 4 voxels of a slice (PACKET_W, PACKET_H in cl/base.cl). */
-static bool enqueue(const hs_scan_converter *converter, const hs_launch *launch, uint32_t slices,
-                    cl_event *event, hs_error *err) {
-    const hs_slab_layout *l = &converter->layout;
-    const size_t edge = converter->cl->lanes > 1 ? 4 : 1;
-    const size_t global[3] = {(l->width + edge - 1) / edge, slices, (l->height + edge - 1) / edge};
     return hs_launch_items(launch, 3, global, event, err);
 }
 
@@ -296,8 +289,7 @@ bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *
     hs_launch_arg(&launch, sizeof layout, &layout);
     hs_launch_buffer(&launch, slab);
     hs_launch_arg(&launch, sizeof start, &start);
-    return s.way == HALVED ? enqueue_halved(converter, &launch, slices, event, err)
-                           : enqueue(converter, &launch, slices, event, err);
+    return enqueue(converter, &launch, s.way, slices, event, err);
 }
 
 bool hs_scanned_rays_create(hs_scanned_rays *rays, const hs_cl *cl, const hs_slab_layout *layout,
