@@ -84,7 +84,7 @@ aarch64: # plugin, validator and template for 64-bit ARM, and what the validator
 
 windows: # plugin, template and example hosts for 64-bit Windows, and what they do under wine against Linux: out/windows
 	@$(SETUP) $(PACKAGES) $(WINDOWS_PACKAGES)
-	@$(call build,build,,smartvis smartvis_check sv_replay host_sim small_host queue_host first_edge kernel_edge)
+	@$(call build,build,,smartvis smartvis_check sv_replay host_sim test_plugins small_host queue_host first_edge kernel_edge)
 	@SV_WERROR=$(SV_WERROR) scripts/windows.sh build $(OUT)/windows
 
 macos: # plugin and examples for macOS, compiled only: out/macos (needs PyPI)

@@ -42,7 +42,7 @@ host_sim/scene | host_sim/base host_sim/volume . | libc json
 host_sim/render | host_sim/base host_sim/volume kernels . | libc opencl
 host_sim/render/cl | . |
 host_sim/guarded | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
-host_sim/unguarded | abi host_sim/base host_sim/plugin host_sim/guarded . | libc
+host_sim/windows | abi host_sim/base host_sim/plugin host_sim/guarded . | libc windows
 host_sim/loop | abi MACHINE . | libc opencl
 host_sim/seen | abi MACHINE host_sim/loop . | libc opencl
 host_sim/result | abi MACHINE host_sim/loop . | libc opencl

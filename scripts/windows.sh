@@ -84,6 +84,26 @@ for method in mean minimum spline wall; do
     plays "the same" "$build/sv_replay" "$out/fötus/back.svr"
     echo "windows: D01 by $method: recordings are the same, both ways"
 done
+# A plugin that crashes, leaves or hangs in slab ends the process that plays, and is named.
+SMARTVIS_CHECK_PLUGIN=$build/tests/plugins/plane.so SMARTVIS_RECORD=$out/plane.svr "$build/host_sim" run --scene E01 --size 32 --frames 2 \
+    --picture 32 --few-pictures --no-guard --plugin "$build/smartvis_check.so" --out "$out/run" > "$out/here.txt" 2>&1
+line=0
+while read -r name; do
+    case $name in
+    by_crash | by_leave) says='left by exit' ;;
+    by_hang) says='ran out of time' ;;
+    *) says='' ;;
+    esac
+    if [ -n "$says" ]; then
+        x86_64-w64-mingw32-gcc -O2 -Wno-attributes -shared -static -D CL_TARGET_OPENCL_VERSION=120 -I include -I "$root/include" \
+            tests/machine/plugins/plane.c "-Wl,--defsym=plane_line=plane_lines+$line" -L "$root/lib" -lOpenCL -o "$out/$name.dll" 2> "$out/there.log"
+        code=0
+        timeout 120 wine "$replay" "$out/plane.svr" --plugin "$out/$name.dll" --set fail=slab --guard-time 5,8 > "$out/there.txt" 2>&1 || code=$?
+        grep -q "$name.dll: $says" "$out/there.txt" && [ $code = 4 ] || { cat "$out/there.txt" >&2; echo "windows: $name: exit code $code, expected 4" >&2; exit 1; }
+    fi
+    line=$((line + 1))
+done < <(sed -n 's/^    {"\([a-z0-9_]*\)".*/\1/p' tests/machine/plugins/plane.c)
+echo "windows: plugins that crash, leave and hang are named"
 # Paths that Windows reads otherwise: a device, a stream, a folder, a name that is longer than a path, and what is not there.
 long=$(printf 'n%.0s' {1..300})
 for path in CON nul.svr "$record:stream" "$out" "$out/$long.svr" 'C:\missing.svr' '\\.\pipe\none'; do

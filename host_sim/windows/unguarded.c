@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What guarded/ offers where no process can be guarded so far: a plugin lives in this one. */
+/* What guarded/guarded.h offers on Windows so far: a plugin lives in this process. */
 #include "guarded/guarded.h"
-#include "guarded/in_child.h"
 
 bool hs_guarded_open(hs_plugin *plugin, const char *path, const char *id, int32_t log_level,
                      const hs_guard_options *options, hs_error *err) {
@@ -29,14 +28,3 @@ void *hs_guarded_memory(const hs_plugin *plugin, size_t bytes, hs_error *err) {
     (void)hs_fail(err, HS_ERR_FAILED, "%s: %zu bytes of a guard that is not there", plugin->path, bytes);
     return NULL;
 }
-
-int hs_work_in_child(const hs_guard_options *guard, const char *plugin, const char *doing,
-                     int (*work)(void *context), void *context, hs_error *err) {
-    (void)guard;
-    (void)plugin;
-    (void)doing;
-    (void)err;
-    return work(context);
-}
-
-void hs_child_goes_on(void) {}
