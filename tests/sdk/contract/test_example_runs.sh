@@ -51,7 +51,7 @@ host() { # host CODE TEXT ARGUMENT...
     grep -qF "$text" "$work/out" "$work/err" || fail "small_host $*: no '$text' in $(cat "$work/out" "$work/err")"
 }
 host 2 usage
-host 2 "undefined symbol: smartvis_plugin_entry" "$build_dir/tests/plugins/no_symbol.so"
+host 2 "no symbol smartvis_plugin_entry" "$build_dir/tests/plugins/no_symbol.so"
 host 4 'another ABI: 2' "$build_dir/tests/plugins/other_major.so"
 host 4 'another ABI: 0' "$build_dir/tests/plugins/older_major.so"
 host 4 "needs the host's queue" "$build_dir/tests/plugins/zeros.so"
