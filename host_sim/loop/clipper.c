@@ -180,7 +180,7 @@ static sv_result make_result(hs_clipper *clipper) {
 }
 
 /* A plugin that is not told the pose, or does not heed it, takes a turned camera for another scene. */
-static uint32_t frame_flags(const hs_clipper *clipper, const hs_moment *m) {
+static uint32_t frame_flags(const hs_clipper *clipper, const hs_frame_facts *m) {
     const sv_descriptor *d = clipper->plugin->instance->descriptor;
     const bool heeds = (d->features & SV_FEATURE_PROBE) != 0;
     const bool posed =
@@ -191,19 +191,19 @@ static uint32_t frame_flags(const hs_clipper *clipper, const hs_moment *m) {
 
 /* begin, every slab, end. A note (a positive status) of begin or slab changes nothing: the outcome is that of
  * end. Returns it, or the first error; *call names the call it came from. */
-static sv_status ask_plugin(hs_clipper *clipper, hs_moment moment, const char **call) {
+static sv_status ask_plugin(hs_clipper *clipper, hs_frame_facts facts, const char **call) {
     const sv_plugin *instance = clipper->plugin->instance;
     sv_frame frame = {.size = sizeof frame,
-                      .flags = frame_flags(clipper, &moment),
-                      .index = moment.index,
-                      .time_ns = moment.time_ns,
+                      .flags = frame_flags(clipper, &facts),
+                      .index = facts.index,
+                      .time_ns = facts.time_ns,
                       .values = clipper->value_count ? clipper->values : NULL,
                       .value_count = clipper->value_count,
-                      .beams = moment.told.beams,
-                      .beam_sweep_mm = moment.told.sweep_mm};
-    memcpy(frame.probe_rotation, moment.told.rotation, sizeof frame.probe_rotation);
-    memcpy(frame.probe_side, moment.told.side, sizeof frame.probe_side);
-    memcpy(frame.beam_apex_mm, moment.told.apex_mm, sizeof frame.beam_apex_mm);
+                      .beams = facts.told.beams,
+                      .beam_sweep_mm = facts.told.sweep_mm};
+    memcpy(frame.probe_rotation, facts.told.rotation, sizeof frame.probe_rotation);
+    memcpy(frame.probe_side, facts.told.side, sizeof frame.probe_side);
+    memcpy(frame.beam_apex_mm, facts.told.apex_mm, sizeof frame.beam_apex_mm);
     hs_slabs_describe_frame(clipper->slabs, clipper->own_queue, &frame);
     *call = "begin";
     sv_status status = instance->begin(instance, &frame);
@@ -253,8 +253,9 @@ static bool holds_up(hs_clipper *clipper, sv_status status) {
 }
 
 /* The depthmap is on the device, the queue has run, and the outcome is known. */
-static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_clip *clip, hs_error *err) {
-    *clip = (hs_clip){.outcome = status};
+static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_clip_outcome *clip,
+                   hs_error *err) {
+    *clip = (hs_clip_outcome){.outcome = status};
     if (status >= SV_OK) hs_plugin_points(clipper->plugin->instance, &clipper->points);
     if (hs_outcome_clips(status) && !enqueue_maps(clipper, err)) return false;
     /* Waiting here costs some 30 us and settles two things: the statistics are valid, and the host knows the
@@ -280,17 +281,17 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
     return true;
 }
 
-bool hs_clipper_frame(hs_clipper *clipper, hs_moment moment, hs_clip *clip, hs_error *err) {
-    *clip = (hs_clip){.outcome = SV_ERR_STATE};
+bool hs_clipper_frame(hs_clipper *clipper, hs_frame_facts facts, hs_clip_outcome *clip, hs_error *err) {
+    *clip = (hs_clip_outcome){.outcome = SV_ERR_STATE};
     if (!clipper->active) return true;
     const char *call;
     if (!clear_map(clipper, err)) return false;
-    const sv_status status = ask_plugin(clipper, moment, &call);
+    const sv_status status = ask_plugin(clipper, facts, &call);
     return settle(clipper, status, call, clip, err);
 }
 
-bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip *clip, hs_error *err) {
-    *clip = (hs_clip){.outcome = SV_ERR_STATE};
+bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip_outcome *clip, hs_error *err) {
+    *clip = (hs_clip_outcome){.outcome = SV_ERR_STATE};
     if (!clipper->active) return true;
     const sv_plugin *instance = clipper->plugin->instance;
     if (!clear_map(clipper, err)) return false;

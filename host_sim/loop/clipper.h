@@ -32,7 +32,7 @@ typedef struct {
     sv_status outcome;       /* the plugin's; SV_ERR_STATE if it is not there or not active */
     sv_stats stats;          /* the plugin's; zeros if it failed */
     sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */
-} hs_clip;
+} hs_clip_outcome;
 
 typedef struct hs_clipper hs_clipper;
 
@@ -60,14 +60,14 @@ typedef struct {
     bool same_volume; /* and the very volume */
     bool moved;       /* the camera, since that frame */
     hs_told told;
-} hs_moment;
+} hs_frame_facts;
 
 /* One frame: begin, every slab, end; waits for the queue. The slabs must be converted, and the queue have
  * run. HS_ERR_DEVICE. */
-bool hs_clipper_frame(hs_clipper *clipper, hs_moment moment, hs_clip *clip, hs_error *err);
+bool hs_clipper_frame(hs_clipper *clipper, hs_frame_facts facts, hs_clip_outcome *clip, hs_error *err);
 
 /* The last successful frame with another value for one parameter that is flagged SV_PARAM_ADJUST. */
-bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip *clip, hs_error *err);
+bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip_outcome *clip, hs_error *err);
 
 /* Where rays start by the last call's map, for hs_dvr_render: *out, or NULL if `clipped` is false.
  * `with_confidence` adds the confidence. *out points into the clipper. */
@@ -75,7 +75,7 @@ const hs_start_depths *hs_clipper_start(const hs_clipper *clipper, bool clipped,
                                         hs_start_depths *out);
 
 /* Reads back what the last call left, width * height values of the slabs' layout: the depthmap in slices, the
- * confidence 0 .. 1 (only where hs_clip.has_confidence). Waits for the queue. HS_ERR_DEVICE. */
+ * confidence 0 .. 1 (only where hs_clip_outcome.has_confidence). Waits for the queue. HS_ERR_DEVICE. */
 bool hs_clipper_read_depth(const hs_clipper *clipper, float *depth, hs_error *err);
 /* Another depthmap in place of the last call's; waits. */
 bool hs_clipper_write_depth(hs_clipper *clipper, const float *depth, hs_error *err);

@@ -311,34 +311,34 @@ bool hs_loop_draw(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_fra
 
 #define FRAME_NS UINT64_C(50000000) /* the simulated machine scans 20 volumes a second */
 
-hs_moment hs_loop_alone(const hs_loop *loop, uint32_t index) {
-    hs_moment moment = {.index = index};
+hs_frame_facts hs_loop_facts_alone(const hs_loop *loop, uint32_t index) {
+    hs_frame_facts facts = {.index = index};
     hs_camera camera;
     hs_loop_camera(loop, index, &camera);
     const hs_slab_layout *l = hs_slabs_layout(loop->slabs);
     const uint32_t voxels[3] = {l->width, l->height, l->slices};
-    hs_camera_tell(&camera, hs_source_shape(loop->source), voxels, &moment.told);
-    return moment;
+    hs_camera_tell(&camera, hs_source_shape(loop->source), voxels, &facts.told);
+    return facts;
 }
 
-static hs_moment hs_loop_moment(hs_loop *loop, uint32_t index) {
+static hs_frame_facts hs_loop_facts_of(hs_loop *loop, uint32_t index) {
     const hs_loop_options *o = &loop->options;
     /* What starts again jumps back in time; an orbit moves the camera with every frame. */
     const bool next = loop->has_before && index == loop->before + 1 && index % loop->source->count != 0;
     const bool again =
         loop->has_before && index >= loop->before && (index == loop->before || loop->source->count == 1);
-    hs_moment moment = hs_loop_alone(loop, index);
-    moment.time_ns = (index + UINT64_C(1)) * FRAME_NS;
-    moment.continues = next || again;
-    moment.same_volume = again && !o->live; /* a live scan's volume is a new one, though it looks the same */
-    moment.moved = (o->orbit != 0 && o->frames > 1) || loop->turned;
+    hs_frame_facts facts = hs_loop_facts_alone(loop, index);
+    facts.time_ns = (index + UINT64_C(1)) * FRAME_NS;
+    facts.continues = next || again;
+    facts.same_volume = again && !o->live; /* a live scan's volume is a new one, though it looks the same */
+    facts.moved = (o->orbit != 0 && o->frames > 1) || loop->turned;
     loop->turned = false;
     loop->has_before = true;
     loop->before = index;
-    return moment;
+    return facts;
 }
 
-void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame) {
+void hs_loop_note_clip(const hs_clip_outcome *clip, hs_frame *frame) {
     frame->clipped = clip->clipped;
     frame->has_confidence = clip->has_confidence;
     frame->doubt = clip->doubt;
@@ -347,7 +347,7 @@ void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame) {
     frame->points = clip->points;
 }
 
-bool hs_loop_mark(hs_loop *loop, uint32_t index, const hs_clip *clip, hs_error *err) {
+bool hs_loop_mark(hs_loop *loop, uint32_t index, const hs_clip_outcome *clip, hs_error *err) {
     const hs_loop_options *o = &loop->options;
     loop->asked = index;
     if (!clip->clipped || o->mark_count == 0) return true;
@@ -365,8 +365,8 @@ bool hs_loop_mark(hs_loop *loop, uint32_t index, const hs_clip *clip, hs_error *
 }
 
 bool hs_loop_ask(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {
-    hs_clip clip;
-    if (!hs_clipper_frame(loop->clipper, hs_loop_moment(loop, index), &clip, err) ||
+    hs_clip_outcome clip;
+    if (!hs_clipper_frame(loop->clipper, hs_loop_facts_of(loop, index), &clip, err) ||
         !hs_loop_mark(loop, index, &clip, err))
         return false;
     hs_loop_note_clip(&clip, frame);

@@ -14,7 +14,8 @@ bool hs_loop_convert(hs_loop *loop, uint32_t index, hs_error *err) {
 }
 
 /* A call's outcome as a frame, and its map. */
-static bool take_clip(hs_loop *loop, const hs_clip *clip, hs_frame *frame, float *map, hs_error *err) {
+static bool take_clip(hs_loop *loop, const hs_clip_outcome *clip, hs_frame *frame, float *map,
+                      hs_error *err) {
     const hs_slab_layout *layout = hs_loop_layout(loop);
     *frame = (hs_frame){0};
     hs_loop_note_clip(clip, frame);
@@ -25,13 +26,13 @@ static bool take_clip(hs_loop *loop, const hs_clip *clip, hs_frame *frame, float
 }
 
 bool hs_loop_clip(hs_loop *loop, uint32_t index, hs_frame *frame, float *map, hs_error *err) {
-    hs_clip clip;
-    return hs_clipper_frame(loop->clipper, hs_loop_alone(loop, index), &clip, err) &&
+    hs_clip_outcome clip;
+    return hs_clipper_frame(loop->clipper, hs_loop_facts_alone(loop, index), &clip, err) &&
            hs_loop_mark(loop, index, &clip, err) && take_clip(loop, &clip, frame, map, err);
 }
 
 bool hs_loop_adjust(hs_loop *loop, sv_param_value value, hs_frame *frame, float *map, hs_error *err) {
-    hs_clip clip;
+    hs_clip_outcome clip;
     return hs_clipper_adjust(loop->clipper, value, &clip, err) &&
            hs_loop_mark(loop, loop->asked, &clip, err) && take_clip(loop, &clip, frame, map, err);
 }

@@ -28,13 +28,13 @@ struct hs_loop {
 };
 
 /* Frame `index` on its own: it continues nothing. */
-hs_moment hs_loop_alone(const hs_loop *loop, uint32_t index);
+hs_frame_facts hs_loop_facts_alone(const hs_loop *loop, uint32_t index);
 
 /* Applies the marks to the map of frame `index`, which a call came to. */
-bool hs_loop_mark(hs_loop *loop, uint32_t index, const hs_clip *clip, hs_error *err);
+bool hs_loop_mark(hs_loop *loop, uint32_t index, const hs_clip_outcome *clip, hs_error *err);
 
 /* What a call of the plugin came to, as part of a frame. */
-void hs_loop_note_clip(const hs_clip *clip, hs_frame *frame);
+void hs_loop_note_clip(const hs_clip_outcome *clip, hs_frame *frame);
 
 /* Where the rays of frame `index` start, for its window: NULL is the full volume, as for `frame` NULL. */
 const hs_start_depths *hs_loop_start(const hs_loop *loop, uint32_t index, const hs_frame *frame,

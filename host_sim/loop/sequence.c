@@ -165,7 +165,7 @@ static bool note_shape(hs_sequence *s, part *p, hs_error *err) {
 }
 
 static bool add_file(hs_sequence *s, part *p, hs_error *err) {
-    hs_sequence_rest(s);
+    hs_sequence_stop_reading(s);
     if (!file_open(&s->file, p->path, &s->how, err)) return false;
     s->open = p;
     p->first = s->count;
@@ -179,7 +179,7 @@ static bool open_again(hs_sequence *s, const part *p, hs_error *err) {
     hs_source_files how = s->how;
     double low, high;
     hs_volume shape;
-    hs_sequence_rest(s);
+    hs_sequence_stop_reading(s);
     if (p->mapped) {
         how.metaimage.has_window = true;
         how.metaimage.window_low = p->low;
@@ -195,7 +195,7 @@ static bool open_again(hs_sequence *s, const part *p, hs_error *err) {
              hs_fail(err, HS_ERR_INPUT, "%s: is not as it was before: the file changed", p->path);
         hs_volume_free(&shape);
     }
-    if (!ok) hs_sequence_rest(s);
+    if (!ok) hs_sequence_stop_reading(s);
     return ok;
 }
 
@@ -217,14 +217,14 @@ hs_sequence *hs_sequence_open(const char *const *paths, uint32_t count, const hs
     return NULL;
 }
 
-void hs_sequence_rest(hs_sequence *s) {
+void hs_sequence_stop_reading(hs_sequence *s) {
     file_close(&s->file);
     s->open = NULL;
 }
 
 void hs_sequence_close(hs_sequence *s) {
     if (!s) return;
-    hs_sequence_rest(s);
+    hs_sequence_stop_reading(s);
     hs_volume_free(&s->shape);
     free(s->parts);
     free(s->origins);

@@ -50,6 +50,6 @@ const hs_source_origin *hs_sequence_origins(const hs_sequence *sequence);
 bool hs_sequence_read(hs_sequence *sequence, uint32_t index, hs_volume *volume, hs_error *err);
 
 /* Closes the file that is open, until the next _read. */
-void hs_sequence_rest(hs_sequence *sequence);
+void hs_sequence_stop_reading(hs_sequence *sequence);
 
 #endif

@@ -170,7 +170,7 @@ static bool read_one(hs_source *source, hs_error *err) {
     source->volumes[0] = source->file;
     const bool ok = hs_sequence_read(source->sequence, 0, source->file, err);
     if (ok) hs_volume_find_beams(source->file);
-    hs_sequence_rest(source->sequence);
+    hs_sequence_stop_reading(source->sequence);
     return ok;
 }
 

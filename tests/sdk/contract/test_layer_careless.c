@@ -282,8 +282,8 @@ static void no_right_plugin_is_blamed(void **state) {
 
 /* ---- faults that need such a host */
 #define WRONG_ENTRY(id, source, check, what) {#id, #source, #check},
-static const struct { const char *id, *source, *check; } family[] = {WRONG_LIST(WRONG_ENTRY)};
-enum { FAMILY = sizeof family / sizeof *family };
+static const struct { const char *id, *source, *check; } wrong_ones[] = {WRONG_LIST(WRONG_ENTRY)};
+enum { WRONG_COUNT = sizeof wrong_ones / sizeof *wrong_ones };
 
 /* What the layer does not see, as docs/check.md says. */
 static const char *const untold[] = {
@@ -327,9 +327,9 @@ static void look_at(int n, sight *seen) {
     char path[64];
     (void)signal(SIGSEGV, SIG_DFL); /* not cmocka's */
     (void)alarm(60);
-    const int name = rule_of(family[n].check);
-    const bool queue = strcmp(family[n].source, "opencl") == 0;
-    (void)snprintf(path, sizeof path, "wrong/%s", family[n].id);
+    const int name = rule_of(wrong_ones[n].check);
+    const bool queue = strcmp(wrong_ones[n].source, "opencl") == 0;
+    (void)snprintf(path, sizeof path, "wrong/%s", wrong_ones[n].id);
     careless *c = open_host(path, 3, queue);
     c->last = seen->last;
     for (uint32_t k = 0; k < 3000 && c->s->p && !c->named[name]; k++) stumble(c);
@@ -345,16 +345,16 @@ static bool is_told(const sight *seen, int status) {
 static void what_a_careless_host_finds_is_named(void **state) {
     int bad = 0, tried = 0;
     sight *seen = mmap(NULL, sizeof *seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    for (int n = 0; n < FAMILY; n++) {
+    for (int n = 0; n < WRONG_COUNT; n++) {
         int status = 0;
-        if (!rules[rule_of(family[n].check)].seen || is_untold(family[n].id)) continue;
+        if (!rules[rule_of(wrong_ones[n].check)].seen || is_untold(wrong_ones[n].id)) continue;
         *seen = (sight){0};
         const pid_t child = fork();
         if (child == 0) look_at(n, seen);
         assert_int_equal(waitpid(child, &status, 0), child);
         tried++;
         if (is_told(seen, status)) continue;
-        print_error("%s: %s is not named; status 0x%x; %s\n", family[n].id, family[n].check, status,
+        print_error("%s: %s is not named; status 0x%x; %s\n", wrong_ones[n].id, wrong_ones[n].check, status,
                     seen->last);
         bad++;
     }
