@@ -299,6 +299,17 @@ def the_box(b, console, work):
     settle(b, "no box at last")
 
 
+def nothing_jumps(b):
+    for size in ((390, 844), (1280, 900), (1440, 1000)):
+        width(b, *size)
+        tops = []
+        for brush in ("remove", "keep", "lamp", "lamp"):  # the last one lays the lamp down again
+            tops.append(b.run("return document.querySelector('#rendered').getBoundingClientRect().top + scrollY"))
+            b.run(f"at('{brush}').click()")  # on a phone a fixed bar may lie over it
+        holds(len(set(tops)) == 1, f"at {size[0]} pixels the pictures jump when a brush is taken: {tops}")
+        shoot(b, "no_brush", size[0])
+
+
 def main():
     with a_page(BUILD, "#scene=M03,96,1", []) as (b, console, work):
         settle(b, "the first frame")
@@ -311,6 +322,7 @@ def main():
         with_two_results(b)
         the_lamp(b, work)
         the_box(b, console, work)
+        nothing_jumps(b)
     print("ok")
 
 

@@ -71,8 +71,8 @@ function drawMarks() {
   for (const view of ["result", "full", "other"])
     viewOf(view).marks.replaceChildren(...marks.map(([cx, cy, r, keep]) => svg("circle", { cx, cy, r, class: keep ? "keep" : "remove" })));
   const how = { remove: "Remove: click or paint on the result what hides the fetus.", keep: "Keep: click where something was cut, or on the full volume.",
-    lamp: "Lamp: a drag on a picture moves the light." };
-  at("brushed").textContent = (how[brush.on] || "") + (paints ? " " + state.marks.length + " of " + MARKS_MAX + " marks." : "");
+    lamp: "Lamp: a drag on a picture moves the light.", "": "Remove and Keep paint on the pictures; Lamp moves their light." };
+  at("brushed").textContent = how[brush.on] + (paints ? " " + state.marks.length + " of " + MARKS_MAX + " marks." : "");
   at("clear-marks").disabled = !state.marks.length;
 }
 
