@@ -57,11 +57,12 @@ def pixels(b, view):
     return b.run(SUM + "return sum(canvases[arguments[0]].canvas)", view)
 
 
-def png_pixels(b, path):
-    """The number of a PNG."""
+def png_pixels(b, path, height=None):
+    """The number of a PNG, or of its upper rows."""
     with open(path, "rb") as file:
         data = base64.b64encode(file.read()).decode()
-    return b.run(SUM + "return createImageBitmap(new Blob([Uint8Array.from(atob(arguments[0]), (c) => c.charCodeAt(0))])).then(sum)", data)
+    return b.run(SUM + "const blob = new Blob([Uint8Array.from(atob(arguments[0]), (c) => c.charCodeAt(0))]);"
+                 "return createImageBitmap(blob).then((i) => arguments[1] ? createImageBitmap(i, 0, 0, i.width, arguments[1]) : i).then(sum)", data, height)
 
 
 def all_pixels(b):

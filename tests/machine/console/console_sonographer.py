@@ -3,12 +3,13 @@
 
 import math
 import os
+import struct
 import subprocess
 import sys
 import tempfile
 
 from console_client import holds
-from console_look import a_page, choose, pixels, settle
+from console_look import PATIENCE, a_page, choose, pixels, png_pixels, settle, until
 from webdriver import KEYS
 
 BUILD = sys.argv[1]
@@ -106,6 +107,31 @@ def distances(b):
     holds(b.run("return state.cross[0]") > 0.5, "the crosshair does not move any more")
 
 
+def several_distances_are_kept(b):
+    """What was measured before stays in a list, from which one can go, and stands in the words for a report."""
+    kept = b.run("return [...document.querySelectorAll('#measured li')].map(li => li.firstChild.textContent.trim())")
+    holds(len(kept) == 3 and kept[0].startswith("A plane (across): ") and kept[2].startswith("C plane (at depth): "), f"kept are {kept}")
+    b.click("#measured li:nth-child(2) button")
+    words = b.run("return at('report').value")
+    holds(kept[0] in words and kept[1] not in words and kept[2] in words and "D01_full.mha" in words and "not a medical device" in words, words)
+
+
+def a_captioned_picture(b, work):
+    """The picture as it is, and below it words and a scale."""
+    path, found = os.path.join(work, "smartvis_D01_full.mha_result.png"), []
+    for caption in (False, True):
+        b.run("at('snapshot-view').value = 'result'; at('with-caption').checked = arguments[0]; delete document.body.dataset.snapshot", caption)
+        b.click("#snapshot")
+        size = int(b.wait_for("document.body.dataset.snapshot", "the snapshot"))
+        until(lambda size=size: os.path.exists(path) and os.path.getsize(path) == size, PATIENCE, "the snapshot's file")
+        with open(path, "rb") as file:
+            width, height = struct.unpack(">2I", file.read(24)[16:])
+        found.append((width, height, png_pixels(b, path, width), png_pixels(b, path)))
+        os.remove(path)
+    (width, height, picture, _), (wide, high, upper, whole) = found
+    holds((width, picture) == (wide, upper) and high > height + 60 and whole != upper, f"captions: {found}")
+
+
 def one_volume_stands_still(b):
     b.run("document.activeElement.blur()")
     for key in " f":
@@ -142,6 +168,8 @@ def main():
         with a_page(BUILD, "#file=0:lying.mha", [scans]) as (b, _console, work):
             planes_lie_in_the_patient(b)
             distances(b)
+            several_distances_are_kept(b)
+            a_captioned_picture(b, work)
             one_volume_stands_still(b)
             presets(b)
             taken_away(b, work)

@@ -132,10 +132,11 @@ function showFigures(text) {
   drawChart();
   showOutcome(text);
   showSource(text.source, text.index);
-  placeScales(text.source.window_mm);
+  placeScales(text.source);
   placeLegends(text.source);
   placeDirections(text.source);
   drawMeasured();
+  showReport();
   drawMarks();
   drawBox();
   rows("times", STAGES.map(([key, colour]) => [STAGE_NAMES[key], milliseconds(text.ms[key]), colour]).concat([["all", milliseconds(text.ms.all)]]));

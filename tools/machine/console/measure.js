@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The distance between two points of a slice, in mm. */
+/* Distances between two points of a slice. */
 "use strict";
 
 const SVG = "http://www.w3.org/2000/svg";
 
 /* Points are in mm right of and below the middle of the slice, so they stay on their tissue when it zooms. */
-const measured = { on: false, view: "", points: [], tissue: "" };
+const measured = { on: false, view: "", points: [], tissue: "", kept: [], of: "" };
 
 /* What a slice shows: with another volume, direction or depth the points are of nothing. */
 function tissueOf(view) {
@@ -14,13 +14,45 @@ function tissueOf(view) {
   return JSON.stringify([state.source, state.play.index, yaw, pitch, (state.cross[stands] - 0.5) / zoom]);
 }
 
-/* A press sets a point, a drag moves it; the third begins anew. */
+function distanceOf({ points }) {
+  return points.length < 2 ? "" : Math.hypot(points[0][0] - points[1][0], points[0][1] - points[1][1]).toFixed(1) + unitOf(lastFigures.source.mm);
+}
+
+/* Those that were made of this source, in words. */
+function measurements() {
+  const last = distanceOf(measured);
+  return measured.kept.concat(last ? [TITLES[measured.view] + ": " + last] : []);
+}
+
+/* A distance that is no longer drawn stays in the list. */
+function letStand() {
+  measured.kept = measurements();
+  measured.points = [];
+}
+
+function listMeasurements() {
+  const source = JSON.stringify(state.source);
+  if (measured.of !== source) measured.kept = [];
+  measured.of = source;
+  at("measured").replaceChildren(...measurements().map((words, i) => {
+    const gone = make("button", { type: "button", text: "Delete", "aria-label": "Delete " + words });
+    gone.addEventListener("click", () => {
+      if (i < measured.kept.length) measured.kept.splice(i, 1);
+      else measured.points = [];
+      drawMeasured();
+      showReport();
+    });
+    return make("li", { text: words + " " }, gone);
+  }));
+}
+
+/* A press sets a point, a drag moves it; the third begins another distance. */
 function setPoint(view, right, down, pressed) {
   if (!lastFigures) return;
   const mm = lastFigures.source.window_mm;
-  if (measured.view !== view || measured.tissue !== tissueOf(view)) measured.points = [];
+  if (measured.view !== view || measured.tissue !== tissueOf(view)) letStand();
   if (!pressed) measured.points.pop();
-  else if (measured.points.length === 2) measured.points = [];
+  else if (measured.points.length === 2) letStand();
   measured.points.push([(clamp(right, 0, 1) - 0.5) * mm, (clamp(down, 0, 1) - 0.5) * mm]);
   measured.view = view;
   measured.tissue = tissueOf(view);
@@ -45,19 +77,20 @@ function drawIn(view, shares, text) {
 }
 
 function drawMeasured() {
-  if (measured.view && measured.tissue !== tissueOf(measured.view)) measured.points = [];
+  if (measured.view && measured.tissue !== tissueOf(measured.view)) letStand();
   const { view, points } = measured;
   const mm = lastFigures ? lastFigures.source.window_mm : 1;
-  const text = points.length < 2 ? "" : Math.hypot(points[0][0] - points[1][0], points[0][1] - points[1][1]).toFixed(1) + " mm";
+  const text = distanceOf(measured);
   for (const one of Object.keys(AXES))
     drawIn(one, one === view ? points.map((p) => p.map((x) => x / mm + 0.5)) : [], one === view ? text : "");
   const next = ["Set two points in a slice.", "Now the other point.", TITLES[view] + ": " + text][points.length];
   at("distance").textContent = measured.on ? next : "";
+  listMeasurements();
 }
 
 function measure(on) {
   measured.on = on;
-  measured.points = [];
+  letStand();
   at("measure").setAttribute("aria-pressed", String(on));
   if (on && !look.slices) at("slices-on").click();
   drawMeasured();

@@ -158,7 +158,8 @@ function buildRenderer() {
 
 /* ---------------------------------------------------------------------------------------- take away -- */
 
-function savePicture(view, blob) {
+async function savePicture(view, picture) {
+  const blob = at("with-caption").checked ? await captioned(view, picture) : picture;
   const { scene, path } = lastFigures.of.source;
   const name = [scene || path.split("/").pop(), view].join("_").replace(/[^\w.-]/g, "_") + ".png";
   const link_ = make("a", { href: URL.createObjectURL(blob), download: "smartvis_" + name });
@@ -167,8 +168,7 @@ function savePicture(view, blob) {
   setTimeout(() => URL.revokeObjectURL(link_.href), 10000);
 }
 
-async function copyLine() {
-  const field = at("line");
+async function copyFrom(field) {
   try {
     await navigator.clipboard.writeText(field.value);
   } catch {
@@ -250,7 +250,8 @@ function listen() {
   at("reset-view").addEventListener("click", resetCamera);
   at("snapshot").addEventListener("click", () => send({ type: "do", what: "snapshot", view: at("snapshot-view").value }));
   at("write").addEventListener("click", () => send({ type: "do", what: "write" }));
-  at("copy").addEventListener("click", copyLine);
+  at("copy").addEventListener("click", () => copyFrom(at("line")));
+  at("copy-report").addEventListener("click", () => copyFrom(at("report")));
   document.addEventListener("keydown", onKey);
   setInterval(rate, 500);
 }

@@ -243,12 +243,21 @@ function placeLegends(source) {
 }
 
 /* A bar of a round length in every slice, a third of the picture at most. */
-function placeScales(window_mm) {
-  const mm = [100, 50, 20, 10, 5, 2, 1].find((length) => length <= window_mm / 3) || 1;
+/* A round length that a picture of that width has room for. */
+function scaleOf(window_mm) {
+  return [100, 50, 20, 10, 5, 2, 1].find((length) => length <= window_mm / 3) || 1;
+}
+
+function unitOf(mm) {
+  return mm ? " mm" : " voxels";
+}
+
+function placeScales({ window_mm, mm }) {
+  const length = scaleOf(window_mm);
   for (const view of Object.keys(AXES)) {
     const { scale } = viewOf(view);
-    scale.style.width = (100 * mm) / window_mm + "%";
-    scale.textContent = mm + " mm";
+    scale.style.width = (100 * length) / window_mm + "%";
+    scale.textContent = length + unitOf(mm);
   }
 }
 

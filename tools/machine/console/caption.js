@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/* What a picture shows, in words: for a report, and burnt into the picture as a clinic keeps it. */
+"use strict";
+
+const LINE_SHARE = 0.032; /* of the picture's width: the height of a caption's line */
+
+function cameraWords() {
+  const { yaw, pitch, roll, zoom } = state.camera;
+  const turned = [["yaw", yaw], ["pitch", pitch], ["roll", roll]].filter(([, angle]) => Math.round(angle)).map(([name, angle]) => name + " " + Math.round(angle) + "°");
+  return turned.concat(zoom === 1 ? [] : ["zoom " + zoom.toFixed(2)]).join(", ") || "straight from the probe";
+}
+
+/* What the frame is of, how it is seen, what came of it, what was measured. */
+function wordsOf(view) {
+  const param = lanes[0].params.find((p) => p.primary), shown = lastFigures;
+  return [
+    nameOfSource(shown.of.source) + (shown.source.volumes > 1 ? ", volume " + (shown.index + 1) : "") + "; " + new Date().toLocaleString("sv"),
+    (view ? TITLES[view] + ", " : "") + cameraWords() + (param ? "; " + param.label + " " + short(valueOf(0, param)) : ""),
+    ...shown.lanes.map((lane) => lane.words),
+    ...(shown.source.doubt ? [shown.source.doubt] : []),
+    ...measurements(),
+    "SmartVis, for research, not a medical device",
+  ];
+}
+
+function showReport() {
+  at("report").value = lastFigures ? wordsOf("").join("; ") : "";
+}
+
+function drawScale(g, width, bottom, line) {
+  const { window_mm, mm } = lastFigures.source, length = scaleOf(window_mm), pixels = (width * length) / window_mm;
+  g.fillRect(width - pixels - line / 2, bottom, pixels, line / 6);
+  g.textAlign = "right";
+  g.fillText(length + unitOf(mm), width - line / 2, bottom - line / 3);
+  g.textAlign = "left";
+}
+
+/* Breaks words where they would leave the picture. */
+function broken(g, text, width) {
+  const lines = [""];
+  for (const word of text.split(" ")) {
+    const longer = lines[lines.length - 1] + word + " ";
+    if (g.measureText(longer).width > width && lines[lines.length - 1]) lines.push(word + " ");
+    else lines[lines.length - 1] = longer;
+  }
+  return lines;
+}
+
+/* The picture as it came, and below it the words and a scale. */
+async function captioned(view, blob) {
+  const image = await createImageBitmap(blob), canvas = make("canvas", { width: image.width, height: image.height });
+  const line = Math.max(11, Math.round(image.width * LINE_SHARE)), g = canvas.getContext("2d");
+  const font = line * 0.8 + "px system-ui, sans-serif";
+  g.font = font;
+  const lines = wordsOf(view).flatMap((text) => broken(g, text, image.width - line));
+  canvas.height += line * (lines.length + 2.5);
+  g.fillRect(0, 0, canvas.width, canvas.height);
+  g.drawImage(image, 0, 0);
+  g.fillStyle = "#fff";
+  g.font = font; /* a canvas that grows forgets it */
+  lines.forEach((text, i) => g.fillText(text, line / 2, image.height + line * (i + 2.75)));
+  drawScale(g, image.width, image.height + line * 1.25, line);
+  return new Promise((done) => { canvas.toBlob(done, "image/png"); });
+}
