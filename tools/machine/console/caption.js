@@ -4,18 +4,17 @@
 
 const LINE_SHARE = 0.032; /* of the picture's width: the height of a caption's line */
 
-function cameraWords() {
-  const { yaw, pitch, roll, zoom } = state.camera;
+function cameraWords({ yaw, pitch, roll, zoom }) {
   const turned = [["yaw", yaw], ["pitch", pitch], ["roll", roll]].filter(([, angle]) => Math.round(angle)).map(([name, angle]) => name + " " + Math.round(angle) + "°");
   return turned.concat(zoom === 1 ? [] : ["zoom " + zoom.toFixed(2)]).join(", ") || "straight from the probe";
 }
 
-/* What the frame is of, how it is seen, what came of it, what was measured. */
-function wordsOf(view) {
+/* What the frame is of, how it is seen (the state that it was asked for in), what came of it, what was measured. */
+function wordsOf(view, asked) {
   const param = lanes[0].params.find((p) => p.primary), shown = lastFigures;
   return [
     nameOfSource(shown.of.source) + (shown.source.volumes > 1 ? ", volume " + (shown.index + 1) : "") + "; " + new Date().toLocaleString("sv"),
-    (view ? TITLES[view] + ", " : "") + cameraWords() + (param ? "; " + param.label + " " + short(valueOf(0, param)) : ""),
+    (view ? TITLES[view] + ", " : "") + cameraWords(asked.camera) + (param ? "; " + param.label + " " + short(asked.lanes[0].values[param.key] ?? param.default) : ""),
     ...shown.lanes.map((lane) => lane.words),
     ...(shown.source.doubt ? [shown.source.doubt] : []),
     ...measurements(),
@@ -24,7 +23,7 @@ function wordsOf(view) {
 }
 
 function showReport() {
-  at("report").value = lastFigures ? wordsOf("").join("; ") : "";
+  at("report").value = lastFigures ? wordsOf("", state).join("; ") : "";
 }
 
 function drawScale(g, width, bottom, line) {
@@ -47,12 +46,12 @@ function broken(g, text, width) {
 }
 
 /* The picture as it came, and below it the words and a scale. */
-async function captioned(view, blob) {
+async function captioned(view, blob, asked) {
   const image = await createImageBitmap(blob), canvas = make("canvas", { width: image.width, height: image.height });
   const line = Math.max(11, Math.round(image.width * LINE_SHARE)), g = canvas.getContext("2d");
   const font = line * 0.8 + "px system-ui, sans-serif";
   g.font = font;
-  const lines = wordsOf(view).flatMap((text) => broken(g, text, image.width - line));
+  const lines = wordsOf(view, asked).flatMap((text) => broken(g, text, image.width - line));
   canvas.height += line * (lines.length + 2.5);
   g.fillRect(0, 0, canvas.width, canvas.height);
   g.drawImage(image, 0, 0);

@@ -158,8 +158,15 @@ function buildRenderer() {
 
 /* ---------------------------------------------------------------------------------------- take away -- */
 
+let asked = null; /* the state in which a picture was asked for: a hand may have gone on since */
+
+function askForPicture() {
+  asked = structuredClone(state);
+  send({ type: "do", what: "snapshot", view: at("snapshot-view").value });
+}
+
 async function savePicture(view, picture) {
-  const blob = at("with-caption").checked ? await captioned(view, picture) : picture;
+  const blob = at("with-caption").checked ? await captioned(view, picture, asked) : picture;
   const { scene, path } = lastFigures.of.source;
   const name = [scene || path.split("/").pop(), view].join("_").replace(/[^\w.-]/g, "_") + ".png";
   const link_ = make("a", { href: URL.createObjectURL(blob), download: "smartvis_" + name });
@@ -248,7 +255,7 @@ function listen() {
   at("wipe").addEventListener("input", () => { look.wipe = Number(at("wipe").value); placeWipe(); writeAddress(); });
   at("slices-on").addEventListener("change", () => { look.slices = at("slices-on").checked; layOut(); changed(false); });
   at("reset-view").addEventListener("click", resetCamera);
-  at("snapshot").addEventListener("click", () => send({ type: "do", what: "snapshot", view: at("snapshot-view").value }));
+  at("snapshot").addEventListener("click", askForPicture);
   at("write").addEventListener("click", () => send({ type: "do", what: "write" }));
   at("copy").addEventListener("click", () => copyFrom(at("line")));
   at("copy-report").addEventListener("click", () => copyFrom(at("report")));
