@@ -91,11 +91,12 @@ static bool open_full(hs_eval_source *s, char part[PARTS][PATH_MAX], bool ranged
            hs_fail(err, HS_ERR_INPUT, "%s: a sequence of %u volumes, expected one", path, s->source.count);
 }
 
-static void print_doubts(const hs_volume *volume) {
-    char doubt[HS_DOUBT_BYTES], question[160];
+static void note_doubts(const hs_volume *volume, char *out, size_t bytes) {
+    char size[HS_DOUBT_BYTES] = "", question[160];
     hs_course_question(volume, question, sizeof question);
-    if (hs_volume_doubt(volume, doubt)) hs_print(stderr, "%s: %s\n", volume->name, doubt);
-    if (question[0]) hs_print(stderr, "%s: %s\n", volume->name, question);
+    const bool doubted = hs_volume_doubt(volume, size);
+    (void)snprintf(out, bytes, "%s%s%s", size, doubted && question[0] ? " " : "", question);
+    if (out[0]) hs_print(stderr, "%s: %s\n", volume->name, out);
 }
 
 static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_error *err) {
@@ -123,7 +124,7 @@ static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_err
                    !hs_scanned_maps_apply(&s->given_truth, part[FIRST], part[END], err)))
         return false;
     s->label = s->given_label.voxels;
-    print_doubts(volume);
+    note_doubts(volume, s->doubt, sizeof s->doubt);
     return hs_source_set_truth(&s->source, &s->given_truth, err);
 }
 

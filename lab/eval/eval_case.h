@@ -28,9 +28,10 @@ typedef struct {
 /* A volume with its ground truth and label map. Owned by the caller; must not move while open. */
 typedef struct {
     hs_source source;
-    const uint8_t *label;  /* nx * ny, in the scene or in `given_label` */
-    hs_volume given_truth; /* of files; zeroed for scenes */
-    hs_volume given_label; /* the same */
+    const uint8_t *label;             /* nx * ny, in the scene or in `given_label` */
+    hs_volume given_truth;            /* of files; zeroed for scenes */
+    hs_volume given_label;            /* the same */
+    char doubt[HS_DOUBT_BYTES + 160]; /* of files: what is doubtful of size or the probe's side, or "" */
 } hs_eval_source;
 
 /* HS_ERR_INPUT names the file, and what does not fit. On failure everything is freed. */
@@ -111,6 +112,9 @@ typedef struct {
 
 /* The result of one depthmap; NULL: of the full volume, unclipped. */
 void hs_eval_measure_map(const hs_eval_table *table, const float *map, hs_measures *out);
+
+/* CRC-32 of a map's bytes: maps with the same are the same bits. */
+uint32_t hs_eval_map_crc(const hs_eval_table *table, const float *map);
 
 /* The direct way, from a picture of termination depths in steps: for tests and checks of the table. */
 void hs_eval_measure_picture(const hs_eval_table *table, const float *termination, hs_measures *out);

@@ -59,6 +59,7 @@ static bool measure(hs_eval_method *m, hs_eval_case *c, uint32_t index, uint32_t
     if (!hs_eval_case_measure(c, &m->values, &here, at, &outcome, err)) return false;
     m->no_surface += !hs_outcome_clips(outcome);
     m->of[HS_METHOD_ABS][index][seed] = at[0].of[HS_MEASURE_ABS];
+    m->map_crc[index][seed] = hs_eval_map_crc(&c->table, c->map);
     m->of[HS_METHOD_CUT][index][seed] = at[0].of[HS_MEASURE_FETUS_CUT];
     m->of[HS_METHOD_LEFT][index][seed] = at[0].of[HS_MEASURE_OCCLUDER_LEFT];
     m->of[HS_METHOD_BEST][index][seed] = at[0].of[HS_MEASURE_ABS];
@@ -86,6 +87,7 @@ bool hs_eval_compare_measure(hs_eval_comparison *x, uint32_t index, uint32_t see
     x->unclipped[index][seed] = unclipped.of[HS_MEASURE_ABS];
     (void)snprintf(x->name[index], sizeof x->name[index], "%.63s",
                    hs_source_volume(&c->from.source, 0)->name);
+    (void)snprintf(x->doubt[index], sizeof x->doubt[index], "%s", c->from.doubt);
     bool ok = true;
     for (uint32_t m = 0; ok && m < x->count; m++)
         ok = (m == 0 || hs_eval_case_replace(c, &x->cl, &x->method[m].plugin, &x->method[m].values, err)) &&

@@ -30,6 +30,7 @@ typedef struct {
     hs_eval_knob knob;
     uint32_t no_surface; /* frames that were not clipped, of cases * seeds */
     float of[HS_METHOD_COUNT][HS_EVAL_MAX_CASES][HS_EVAL_MAX_SEEDS]; /* by case and seed */
+    uint32_t map_crc[HS_EVAL_MAX_CASES][HS_EVAL_MAX_SEEDS];          /* hs_eval_map_crc, at its setting */
 } hs_eval_method;
 
 /* Owned by the caller; must not move while open. */
@@ -40,7 +41,8 @@ typedef struct {
     hs_eval_method method[HS_EVAL_MAX_METHODS];
     uint32_t rank[HS_EVAL_MAX_METHODS]; /* indices into method, the lowest mean e_abs first */
     char name[HS_EVAL_MAX_CASES][64];
-    bool truth_cut[HS_EVAL_MAX_CASES]; /* the truth's picture shows a cut (hs_truth_shows_cut) */
+    char doubt[HS_EVAL_MAX_CASES][400]; /* hs_eval_source */
+    bool truth_cut[HS_EVAL_MAX_CASES];  /* the truth's picture shows a cut (hs_truth_shows_cut) */
     float unclipped[HS_EVAL_MAX_CASES][HS_EVAL_MAX_SEEDS];
 } hs_eval_comparison;
 

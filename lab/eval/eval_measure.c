@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 /* ----------------------------------------------------------------------------------------------- table -- */
 
@@ -237,6 +238,11 @@ void hs_eval_measure_map(const hs_eval_table *t, const float *map, hs_measures *
         count_error(&by_label[r >= t->first_fetus], error_at(t, r, map ? map[t->pixel[r]] : 0.0f),
                     t->is_occluded[r], HS_EVAL_TOLERANCE);
     hs_eval_measures(by_label, out);
+}
+
+uint32_t hs_eval_map_crc(const hs_eval_table *table, const float *map) {
+    const size_t bytes = (size_t)table->width * table->height * sizeof *map;
+    return (uint32_t)crc32(0, (const Bytef *)map, (uInt)bytes);
 }
 
 void hs_eval_error_picture(const hs_eval_table *table, const float *termination, float *out) {

@@ -182,6 +182,7 @@ bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, 
     if (index == 0) study->map_side = c->table.width;
     hs_eval_measure_map(&c->table, NULL, &result->unclipped);
     (void)snprintf(result->title, sizeof result->title, "%s", c->from.source.title);
+    (void)snprintf(result->doubt, sizeof result->doubt, "%s", c->from.doubt);
     return true;
 }
 

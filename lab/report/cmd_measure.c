@@ -103,7 +103,11 @@ static bool measure_all(const hs_eval_case *c, char **paths, int count, json_t *
         const bool unclipped = strcmp(paths[i], "-") == 0;
         if (!unclipped && !read_map(paths[i], &c->table, c->map, err)) return false;
         hs_eval_measure_map(&c->table, unclipped ? NULL : c->map, &measures);
-        if (json_array_append_new(out, describe(paths[i], &measures)) != 0)
+        json_t *described = describe(paths[i], &measures);
+        if (!unclipped)
+            (void)json_object_set_new(described, "map_crc32",
+                                      json_integer(hs_eval_map_crc(&c->table, c->map)));
+        if (json_array_append_new(out, described) != 0)
             return hs_fail(err, HS_ERR_MEMORY, "no memory for the results");
     }
     return true;

@@ -103,7 +103,8 @@ uint32_t hs_eval_plain_worst(const hs_eval_study *study, int column, double *out
 /* To a terminal, a line a method in the order of the ranks. */
 void hs_eval_compare_print(const hs_eval_comparison *x, FILE *out);
 
-/* "compare.csv" in the comparison's folder, a row a method, case and seed. HS_ERR_OUTPUT names the path. */
+/* "compare.csv" in the comparison's folder, a row a method, case and seed; the last column, of the depthmap's
+ * bits, is `map_crc32` of `host_sim measure`, too. HS_ERR_OUTPUT names the path. */
 bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err);
 
 /* -------------------------------------------------------------------------------------------- pictures -- */

@@ -78,6 +78,7 @@ static void put_plain_case(hs_page *report, const hs_eval_study *study, uint32_t
     hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth",
                       hs_page_truth_caption(r->truth_cut));
     hs_page_row_end(report);
+    if (r->doubt[0]) hs_page_text(report, r->doubt);
     if (r->note[0]) hs_page_text(report, r->note);
 }
 
@@ -93,7 +94,7 @@ static void put_plain_details(hs_page *report, const hs_eval_study *study, uint3
                       "error per ray, blue where the fetus is cut, red where an occluder is left",
                       "Error: blue, the fetus is cut; red, an occluder is left; grey, not evaluated");
     hs_eval_page_show(report, study, index, "depthmap.png", "the clipping depthmap in false colour",
-                      "Clipping depthmap: where the rays start, in mm; hatched: nothing is clipped");
+                      "Clipping depthmap: where the rays start; hatched: nothing is clipped");
     if (study->result[index].sure)
         hs_eval_page_show(report, study, index, "confidence.png", "confidence",
                           "Confidence: how sure the plugin says it is");
@@ -368,6 +369,7 @@ static void put_renderings(hs_page *report, const hs_eval_comparison *x, uint32_
     char folder[PATH_MAX], file[32], caption[320];
     if (!hs_eval_compare_folder(x, index, folder, sizeof folder, &report->error)) return;
     hs_page_heading(report, 3, x->name[index]);
+    if (x->doubt[index][0]) hs_page_text(report, x->doubt[index]);
     hs_page_row_begin(report);
     show(report, folder, "full.png", x->name[index], "Full volume");
     for (uint32_t r = 0; r < x->count; r++) {

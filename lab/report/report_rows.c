@@ -64,17 +64,18 @@ uint32_t hs_eval_plain_worst(const hs_eval_study *study, int column, double *out
 bool hs_eval_compare_table(const hs_eval_comparison *x, hs_error *err) {
     hs_output_file output = {0};
     if (!open_csv(x->options->out, "compare.csv", &output, err)) return false;
-    (void)fprintf(
-        output.file,
-        "rank,method,case,seed,e_abs,e_abs_best_position,fetus_cut,occluder_left,e_abs_unclipped\n");
+    (void)fputs("rank,method,case,seed,e_abs,e_abs_best_position,fetus_cut,occluder_left,e_abs_unclipped,"
+                "map_crc32\n",
+                output.file);
     for (uint32_t r = 0; r < x->count; r++) {
         const hs_eval_method *m = &x->method[x->rank[r]];
         for (uint32_t i = 0; i < x->options->case_count; i++)
             for (uint32_t s = 0; s < x->seeds; s++)
-                (void)fprintf(output.file, "%u,%u,%s,%u,%.6g,%.6g,%.6g,%.6g,%.6g\n", r + 1, x->rank[r] + 1,
+                (void)fprintf(output.file, "%u,%u,%s,%u,%.6g,%.6g,%.6g,%.6g,%.6g,%u\n", r + 1, x->rank[r] + 1,
                               x->name[i], s, (double)m->of[HS_METHOD_ABS][i][s],
                               (double)m->of[HS_METHOD_BEST][i][s], (double)m->of[HS_METHOD_CUT][i][s],
-                              (double)m->of[HS_METHOD_LEFT][i][s], (double)x->unclipped[i][s]);
+                              (double)m->of[HS_METHOD_LEFT][i][s], (double)x->unclipped[i][s],
+                              m->map_crc[i][s]);
     }
     return hs_output_commit(&output, err); /* fails if any write before did */
 }

@@ -132,7 +132,7 @@ def measure_many(of: Scene, maps: Mapping[str, Result | NDArray[Any] | None]) ->
         lowres = sizes.pop() if sizes else max(of.full.shape[1:])
         case = ["--case", "full.mha,truth.mha,label.mha", "--lowres", str(lowres)]
         out = _host.run(["measure", *case, *files], folder)
-    rows = [{k: v for k, v in row.items() if k != "map"} for row in json.loads(out)]
+    rows = [{k: v for k, v in row.items() if not k.startswith("map")} for row in json.loads(out)]
     return {name: Measures(**row) for name, row in zip(maps, rows, strict=True)}
 
 

@@ -3,6 +3,7 @@
 the same bits at each, or one true sentence."""
 
 import csv
+import html
 import json
 import sys
 from collections.abc import Callable, Iterator
@@ -128,7 +129,7 @@ def served(path: Path) -> tuple[str, np.ndarray | None]:
 
 
 def reported(path: Path, make: Any, scene: smartvis.Scene, map_: np.ndarray | None, out: Path) -> dict[str, str]:
-    """What `report` and `measure` say; the error of the plugin's surface and that of this map are one number."""
+    """What `report`, its page and `measure` say; the plugin's surface and this map are the same bits."""
     out.mkdir()
     make(out / f"truth{path.suffix}", scene.truth[::2])
     written(scene.label[None].astype(np.uint8), out / "label.mha")
@@ -139,10 +140,12 @@ def reported(path: Path, make: Any, scene: smartvis.Scene, map_: np.ndarray | No
     measured = host("measure", "--case", case, "-" if map_ is None else out / "map.mha")
     if code == 0:
         with open(out / "compare.csv", newline="") as table:
-            error = float(next(csv.DictReader(table))["e_abs"])
-        figures = measured[1][measured[1].index("[\n") :]
-        assert json.JSONDecoder().raw_decode(figures)[0][0]["e_abs"] == pytest.approx(error, rel=1e-5)
-    return {"report": said, "measure": measured[1]}
+            row = next(csv.DictReader(table))
+        figures = json.JSONDecoder().raw_decode(measured[1][measured[1].index("[\n") :])[0][0]
+        assert figures["e_abs"] == pytest.approx(float(row["e_abs"]), rel=1e-5)
+        assert map_ is None or figures["map_crc32"] == int(row["map_crc32"])
+    page = (out / "index.html").read_text() if code == 0 else said  # what is doubtful stands there, too
+    return {"report": said, "measure": measured[1], "page": html.unescape(page)}
 
 
 @pytest.mark.parametrize("name", ROWS)
@@ -173,6 +176,6 @@ def test_every_file_at_every_door(name, folder, scene, on_page, batched, tmp_pat
     for door, (text, depth) in doors.items():
         assert words in text, (door, text)
         assert words or "--spacing X,Y,Z" not in text, (door, text)
-        if result is not None and door not in ("report", "measure", "console"):
+        if result is not None and door not in ("report", "measure", "page", "console"):
             assert depth is not None and np.array_equal(depth, result.depth_mm), door
         assert result is not None or depth is None or not depth.any(), door

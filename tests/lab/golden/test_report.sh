@@ -138,7 +138,7 @@ code 2 --quick --out "$work/bad" --case "$full,$truth"
 # The same with maps of what was scanned, here from slice 10 on: the measures of a map that clips everything before it.
 label from.mha '\12'
 label to.mha '\60'
-measure() { "$build/host_sim" measure --lowres 48 --case "$@" | grep -v '"map"'; }
+measure() { "$build/host_sim" measure --lowres 48 --case "$@" | grep -v '"map' | tr -d ,; }
 label="$(find "$work/scene" -name 'D01*_label.mha')"
 holds [ "$(measure "$full,$truth,$label,$work/from.mha,$work/to.mha" -)" = "$(measure "$full,$truth,$label" "$work/from.mha")" ]
 holds [ "$(measure "$full,$truth,$label" -)" != "$(measure "$full,$truth,$label" "$work/from.mha")" ]
