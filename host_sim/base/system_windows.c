@@ -35,8 +35,8 @@ static bool fail(void) {
 
 /* What is no file on a disk, such as CON or a pipe, is not opened. */
 static int open_file(const wchar_t *path, DWORD access, DWORD creation, SECURITY_ATTRIBUTES *owner) {
-    const HANDLE handle =
-        CreateFileW(path, access, FILE_SHARE_READ, owner, creation, FILE_ATTRIBUTE_NORMAL, NULL);
+    const HANDLE handle = CreateFileW(path, access, FILE_SHARE_READ | FILE_SHARE_WRITE, owner, creation,
+                                      FILE_ATTRIBUTE_NORMAL, NULL);
     if (handle == INVALID_HANDLE_VALUE) return fail() - 1;
     const int file = GetFileType(handle) == FILE_TYPE_DISK
                          ? _open_osfhandle((intptr_t)handle, O_BINARY | O_NOINHERIT)
