@@ -52,7 +52,7 @@ bool sys_program(char *path, size_t bytes) {
     return length > 0;
 }
 
-char **sys_arguments(int *count, char **argv) {
+char **sys_arguments(int *count, char **argv) { /* NOLINT(readability-non-const-parameter) */
     (void)count;
     return argv;
 }
