@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/input_file.h"
 
+#include "base/system.h"
+
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -26,12 +27,11 @@ static bool is_below(int descriptor, const char *header) {
 
 FILE *hs_input_open_below(const char *header, const char *path, const char *context, uint64_t *bytes,
                           hs_error *err) {
-    const int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    const int descriptor = sys_open(path, SYS_READ);
     struct stat status;
     if (descriptor < 0 || fstat(descriptor, &status) != 0) {
-        hs_fail(err, HS_ERR_INPUT, "%s: cannot be read: %s", context, strerror(errno));
-    } else if (!S_ISREG(status.st_mode)) {
-        hs_fail(err, HS_ERR_INPUT, "%s: cannot be read: not a regular file", context);
+        const char *why = errno == EINVAL ? "not a regular file" : strerror(errno);
+        hs_fail(err, HS_ERR_INPUT, "%s: cannot be read: %s", context, why);
     } else if (header && !is_below(descriptor, header)) {
         hs_fail(err, HS_ERR_INPUT, "%s: cannot be read: a link leads out of the header's folder", context);
     } else {
