@@ -99,8 +99,11 @@ static void fill_surface(const hs_scene_data *data, const hs_camera *camera, uin
         }
 }
 
-bool hs_truth_surface(const hs_cl *cl, const hs_scene_data *data, const hs_camera *camera,
-                      hs_start_depths *out, hs_error *err) {
+/* The scene's surface in a box as wide and deep as the camera's: as many pixels across as the wider side of
+ * the scene has voxels, and its nz slices. A pixel beside the scene clips nothing. The caller releases the
+ * buffer. */
+static bool truth_surface(const hs_cl *cl, const hs_scene_data *data, const hs_camera *camera,
+                          hs_start_depths *out, hs_error *err) {
     const hs_volume *v = &data->full;
     const uint32_t side = v->nx > v->ny ? v->nx : v->ny;
     const size_t bytes = (size_t)side * side * sizeof(float);
@@ -169,7 +172,7 @@ static bool draw_cut(hs_loop *loop, const hs_scene_data *scene, uint32_t index, 
     hs_camera box;
     hs_start_depths start = {0};
     hs_loop_camera(loop, index, &box);
-    bool ok = hs_truth_surface(loop->cl, scene, &box, &start, err);
+    bool ok = truth_surface(loop->cl, scene, &box, &start, err);
     start.share = share;
     ok =
         ok && hs_screen_render(screen, loop->volume, window, &start, false, err) && wait_for_truth(loop, err);

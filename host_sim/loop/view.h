@@ -36,15 +36,6 @@ bool hs_loop_pick(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_fra
 /* Frees everything. Safe on a zeroed struct. */
 void hs_maps_free(hs_maps *maps);
 
-/*
- * The surface in a box as wide and deep as the camera's: as many pixels across as the wider side of the scene
- * has voxels, and its nz slices. A pixel beside the scene is 0 and clips nothing. The buffer is a new one,
- * which the caller releases. The camera must look from the probe, along the scene's own rays: the surface is
- * known there only. HS_ERR_MEMORY or HS_ERR_DEVICE.
- */
-bool hs_truth_surface(const hs_cl *cl, const hs_scene_data *data, const hs_camera *camera,
-                      hs_start_depths *out, hs_error *err);
-
 /* True if the picture of frame `index`'s truth shows, in grey, where the fetus is cut because its occluder
  * touches it: in the lit look, along the scene's own rays. */
 bool hs_truth_shows_cut(const hs_loop *loop, hs_look look, uint32_t index);

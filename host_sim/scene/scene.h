@@ -76,12 +76,9 @@ typedef struct hs_scene hs_scene;
 /* `name_or_path` is a built-in scene ("E01", "H01"), a random one ("R7_3": number 3 of the set with seed 7)
  * or the path of a scene file. Errors name file, line and field. */
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err);
-/* hs_scene_open with fields set otherwise: `count` times PATH=VALUE (hs_scene_override). */
-hs_scene *hs_scene_open_with(const char *name_or_path, const char *const *sets, uint32_t count,
-                             hs_error *err);
 void hs_scene_close(hs_scene *scene);
 const char *hs_scene_name(const hs_scene *scene);
-/* The scene as a file's text, with what was set otherwise. Borrowed. */
+/* The scene as a file's text. Borrowed. */
 const char *hs_scene_json(const hs_scene *scene);
 /* What the thesis says of the case, one sentence. */
 const char *hs_scene_title(const hs_scene *scene);

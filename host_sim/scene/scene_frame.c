@@ -58,22 +58,9 @@ const char *hs_scene_json(const hs_scene *scene) {
     return scene->json;
 }
 
-/* The text with all that is set otherwise; takes `text` over. */
-static char *set_otherwise(char *text, const char *path, const char *const *sets, uint32_t count,
-                           hs_error *err) {
-    for (uint32_t i = 0; text && i < count; i++) {
-        char *changed = hs_scene_override(path, text, sets[i], err);
-        free(text);
-        text = changed;
-    }
-    return text;
-}
-
-hs_scene *hs_scene_open_with(const char *name_or_path, const char *const *sets, uint32_t count,
-                             hs_error *err) {
+hs_scene *hs_scene_open(const char *name_or_path, hs_error *err) {
     char path[PATH_MAX + 256];
     char *text = hs_scene_text(name_or_path, path, sizeof path, err);
-    if (text) text = set_otherwise(text, path, sets, count, err);
     hs_scene *scene = text ? calloc(1, sizeof *scene) : NULL;
     if (text && !scene) hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
     if (scene && hs_scene_read_text(path, text, &scene->spec, err) && hs_scene_place(&scene->spec, err)) {
@@ -83,10 +70,6 @@ hs_scene *hs_scene_open_with(const char *name_or_path, const char *const *sets, 
     free(text);
     free(scene);
     return NULL;
-}
-
-hs_scene *hs_scene_open(const char *name_or_path, hs_error *err) {
-    return hs_scene_open_with(name_or_path, NULL, 0, err);
 }
 
 void hs_scene_close(hs_scene *scene) {

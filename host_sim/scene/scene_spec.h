@@ -241,14 +241,6 @@ typedef struct {
 /* Reads a scene from a file's text; `path` is for messages, which name file, line and field. */
 bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec, hs_error *err);
 
-/*
- * The text of a scene with PATH=VALUE applied, as JSON; free() it. PATH names fields by dots and elements
- * by their index, "structures[0].gap_mm"; an artefact may be named by its type, "artefacts.haze.level_db".
- * VALUE is JSON, or a word. An artefact is on if any field of it is set, or with VALUE "on"; "off" takes
- * it, or any other field, away. NULL: HS_ERR_USAGE names the assignment and what is wrong, HS_ERR_MEMORY.
- */
-char *hs_scene_override(const char *path, const char *text, const char *assignment, hs_error *err);
-
 /* Moves along the beam what has a gap_mm: first every such fetus, until the fluid between the sac's wall and
  * its skin is that long where it is shortest; then every such occluder, until its far side is that far before
  * the nearest fetus. Below 0 the two overlap by that much. HS_ERR_INPUT if no beam meets both, HS_ERR_MEMORY.

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The text of a scene: built in, drawn or a file, with fields that a command line sets otherwise. */
+/* The text of a scene: built in, drawn or a file. */
 #include "base/input_file.h"
 #include "base/paths.h"
 #include "scene/scene.h"
 #include "scene/scene_draw.h"
-#include "scene/scene_spec.h"
 
-#include <ctype.h>
-#include <jansson.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -73,134 +70,4 @@ char *hs_scene_text(const char *name_or_path, char *path, size_t size, hs_error 
         (void)snprintf(path, size, "%s/%s.json", folder, name_or_path);
     }
     return read_text(path, err);
-}
-
-/* The place a path names: a member of an object or an element of an array. */
-typedef struct {
-    json_t *parent;
-    char key[64]; /* "": an element */
-    size_t index;
-} place;
-
-/* The next part of a path: a name or "[index]". */
-static bool next_part(const char **path, place *part) {
-    const char *p = *path;
-    part->key[0] = '\0';
-    if (*p == '[') {
-        char *end;
-        if (!isdigit((unsigned char)p[1])) return false;
-        part->index = strtoul(p + 1, &end, 10);
-        if (*end != ']') return false;
-        *path = end + 1;
-    } else {
-        const size_t length = strcspn(p, ".[");
-        if (length == 0 || length >= sizeof part->key) return false;
-        memcpy(part->key, p, length);
-        part->key[length] = '\0';
-        *path = p + length;
-    }
-    if (**path == '.') return *++*path != '\0' && **path != '[';
-    return **path == '\0' || **path == '[';
-}
-
-/* An artefact by its type: its place in the list, behind the last if it is not there. */
-static void find_type(place *part) {
-    size_t i;
-    json_t *one;
-    json_array_foreach(part->parent, i, one) {
-        const char *type = json_string_value(json_object_get(one, "type"));
-        if (type && strcmp(type, part->key) == 0) break;
-    }
-    part->index = i;
-}
-
-static json_t *value_at(const place *at) {
-    return json_is_array(at->parent) ? json_array_get(at->parent, at->index)
-                                     : json_object_get(at->parent, at->key);
-}
-
-/* Puts a value there; it is taken over. */
-static bool put_value(const place *at, json_t *value) {
-    if (!json_is_array(at->parent)) return json_object_set_new(at->parent, at->key, value) == 0;
-    if (at->index < json_array_size(at->parent)) return json_array_set_new(at->parent, at->index, value) == 0;
-    return json_array_append_new(at->parent, value) == 0;
-}
-
-/* Makes `part` a place in its parent; what is not there yet may come into an object, or into a list by
- * its type. */
-static bool resolve(place *part) {
-    if (json_is_array(part->parent) && part->key[0]) {
-        find_type(part);
-        return true;
-    }
-    return json_is_array(part->parent) ? part->index < json_array_size(part->parent)
-                                       : json_is_object(part->parent) && part->key[0] != '\0';
-}
-
-/* What must be there for the rest of the path to name something of it. */
-static json_t *make_way(const place *part) {
-    json_t *there = value_at(part);
-    if (there) return there;
-    json_t *made = json_is_array(part->parent) ? json_pack("{s:s}", "type", part->key) : json_object();
-    return made && put_value(part, made) ? made : NULL;
-}
-
-static bool find(json_t *root, const char *path, place *at) {
-    at->parent = root;
-    while (next_part(&path, at)) {
-        if (!resolve(at)) return false;
-        if (*path == '\0') return true;
-        at->parent = make_way(at);
-        if (!at->parent) return false;
-    }
-    return false;
-}
-
-static void take_away(const place *at) {
-    if (json_is_array(at->parent))
-        (void)json_array_remove(at->parent, at->index);
-    else
-        (void)json_object_del(at->parent, at->key);
-}
-
-/* JSON, or a word that is none. */
-static json_t *value_of(const char *text) {
-    json_t *value = json_loads(text, JSON_DECODE_ANY, NULL);
-    return value ? value : json_string(text);
-}
-
-static bool apply(json_t *root, const char *assignment, hs_error *err) {
-    const char *equals = strchr(assignment, '=');
-    char path[128];
-    place at;
-    if (!equals || equals[1] == '\0' || (size_t)(equals - assignment) >= sizeof path)
-        return hs_fail(err, HS_ERR_USAGE, "--set: '%.100s' is not PATH=VALUE", assignment);
-    memcpy(path, assignment, (size_t)(equals - assignment));
-    path[equals - assignment] = '\0';
-    if (!find(root, path, &at))
-        return hs_fail(err, HS_ERR_USAGE, "--set: '%s' names nothing of the scene", path);
-    if (strcmp(equals + 1, "off") == 0) {
-        take_away(&at);
-        return true;
-    }
-    if (strcmp(equals + 1, "on") == 0 && json_is_array(at.parent)) return make_way(&at) != NULL;
-    json_t *value = value_of(equals + 1);
-    return (value && put_value(&at, value)) ||
-           hs_fail(err, HS_ERR_USAGE, "--set: '%.100s' is no value", assignment);
-}
-
-char *hs_scene_override(const char *path, const char *text, const char *assignment, hs_error *err) {
-    json_error_t bad;
-    char *out = NULL;
-    json_t *root = json_loads(text, JSON_REJECT_DUPLICATES, &bad);
-    if (!root) {
-        hs_fail(err, HS_ERR_INPUT, "%s:%d: column %d: not JSON: %s", path, bad.line, bad.column, bad.text);
-        return NULL;
-    }
-    if (apply(root, assignment, err)) {
-        out = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-        if (!out) hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
-    }
-    json_decref(root);
-    return out;
 }

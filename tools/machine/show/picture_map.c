@@ -24,13 +24,6 @@ enum {
 
 #define POINT_SHADE 0.6 /* of the depths' colours: an initial point in the legend */
 
-uint32_t hs_colour_label(uint8_t label) {
-    /* Sky blue and orange of M. Okabe and K. Ito, "Color Universal Design" (2008): colour-blind readers can
-     * tell them apart. */
-    static const uint32_t colours[] = {HS_COLOUR_NO_VALUE, 0x56b4e9, 0xe69f00};
-    return label < sizeof colours / sizeof *colours ? colours[label] : HS_COLOUR_INVALID;
-}
-
 /* A map's place in its picture. */
 typedef struct {
     uint32_t map_width, map_height; /* entries */

@@ -13,9 +13,6 @@
 #define HS_COLOUR_NOTHING_B 0x4b4e53u
 #define HS_COLOUR_EMPTY     0xff4b3eu /* an initial point with an empty interval */
 
-/* Colour of a label of the label map (0 neither, 1 sac only, 2 fetus); HS_COLOUR_INVALID for any other. */
-uint32_t hs_colour_label(uint8_t label);
-
 /* A depthmap (width * height float32, mm) in viridis with a colour bar over the depths that are there. A
  * depth <= 0 clips nothing: grey hatch, its share in the legend. NaN and infinities are drawn in
  * HS_COLOUR_INVALID and counted. */
