@@ -8,7 +8,7 @@ struct hs_screen {
     hs_dvr_settings settings;
     hs_dvr *dvr;
     size_t pixels;
-    cl_mem rgba;        /* the picture; a maximum projection needs a quarter of it */
+    cl_mem rgba;        /* the picture */
     cl_mem termination; /* float32 steps */
     cl_mem start;       /* one float32: a depthmap of one pixel */
 };
@@ -76,12 +76,6 @@ bool hs_screen_read(const hs_screen *screen, uint8_t *rgba, hs_error *err) {
 bool hs_screen_read_termination(const hs_screen *screen, float *termination, hs_error *err) {
     return read_back(screen, screen->termination, screen->pixels * sizeof(float), termination,
                      "clEnqueueReadBuffer (termination depths)", err);
-}
-
-bool hs_screen_project(hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera,
-                       uint8_t *mip, hs_error *err) {
-    return hs_dvr_mip(screen->dvr, volume, camera, screen->rgba, NULL, err) &&
-           read_back(screen, screen->rgba, screen->pixels, mip, "clEnqueueReadBuffer (MIP)", err);
 }
 
 uint32_t hs_screen_steps(const hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera) {

@@ -29,11 +29,6 @@ bool hs_screen_render_from(hs_screen *screen, const hs_device_volume *volume, co
 bool hs_screen_read(const hs_screen *screen, uint8_t *rgba, hs_error *err);
 bool hs_screen_read_termination(const hs_screen *screen, float *termination, hs_error *err);
 
-/* Renders the full volume's maximum intensity projection and reads it: one byte a pixel. The picture that was
- * there is lost. HS_ERR_DEVICE. */
-bool hs_screen_project(hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera,
-                       uint8_t *mip, hs_error *err);
-
 /* Steps of a ray that crosses the whole box. */
 uint32_t hs_screen_steps(const hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera);
 

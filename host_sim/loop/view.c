@@ -202,10 +202,9 @@ static bool allocate_pictures(const hs_loop *loop, hs_view *view, hs_error *err)
     const size_t pixels = (size_t)view->width * view->height;
     view->result = malloc(pixels * 4);
     view->full = malloc(pixels * 4);
-    view->mip = malloc(pixels);
     view->termination = malloc(pixels * sizeof(float));
     view->full_termination = malloc(pixels * sizeof(float));
-    bool ok = view->result && view->full && view->mip && view->termination && view->full_termination;
+    bool ok = view->result && view->full && view->termination && view->full_termination;
     if (ok && hs_source_truth(loop->source, 0)) ok = (view->truth = malloc(pixels * 4)) != NULL;
     return ok ||
            hs_fail(err, HS_ERR_MEMORY, "pictures: no memory for %u x %u pixels", view->width, view->height);
@@ -256,8 +255,7 @@ bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
                     (view->volume = hs_source_bring(loop->source, index % loop->source->count, err)) &&
                     render_to(loop, index, &view->frame, view->result, view->termination, err) &&
                     render_to(loop, index, NULL, view->full, view->full_termination, err) &&
-                    (!view->truth || render_truth(loop, index, view, err)) &&
-                    hs_screen_project(loop->screen, loop->volume, &view->camera, view->mip, err);
+                    (!view->truth || render_truth(loop, index, view, err));
     if (!ok) hs_view_free(view);
     return ok;
 }
@@ -290,7 +288,6 @@ void hs_view_free(hs_view *view) {
     free(view->result);
     free(view->full);
     free(view->truth);
-    free(view->mip);
     free(view->termination);
     free(view->full_termination);
     free(view->depth);

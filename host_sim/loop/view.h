@@ -63,14 +63,13 @@ typedef struct {
     uint8_t *result;         /* as the loop renders it */
     uint8_t *full;           /* unclipped, same camera */
     uint8_t *truth;          /* the scene's ground truth, same camera; NULL if there is none */
-    uint8_t *mip;            /* maximum intensity projection, one byte a pixel */
     float *termination;      /* of the result: see hs_dvr_render */
     float *full_termination; /* of the full volume */
     uint32_t map_width, map_height, slices;
     float *depth;            /* the plugin's depthmap, in low-resolution slices; zeros if it was not used */
     uint8_t *status;         /* SV_POINT_* */
     float *sure;             /* the plugin's confidence, 0 .. 1; NULL if it gave none */
-    hs_camera camera;        /* of the box: maps and the mip show all of it */
+    hs_camera camera;        /* of the box: maps show all of it */
     double picture_mm;       /* the side of what the pictures show */
     const hs_volume *volume; /* the frame's; the source's, until the loop's next frame */
     hs_look look;            /* of the pictures */

@@ -103,8 +103,7 @@ bool hs_picture_load(hs_picture *out, const char *path, hs_error *err) {
 
 /* Colour of an image's pixel. */
 static uint32_t image_pixel(const hs_image *image, uint32_t x, uint32_t y) {
-    const uint8_t *p = image->data + ((size_t)y * image->width + x) * image->channels;
-    if (image->channels == 1) return p[0] * 0x010101u;
+    const uint8_t *p = image->data + ((size_t)y * image->width + x) * 4;
     return (uint32_t)p[0] << 16 | (uint32_t)p[1] << 8 | p[2];
 }
 

@@ -45,11 +45,10 @@ bool hs_picture_png(const hs_picture *picture, uint8_t **data, size_t *bytes, hs
 /* Reads a PNG of any kind as 8-bit RGB. HS_ERR_INPUT names the path and the reason. */
 bool hs_picture_load(hs_picture *out, const char *path, hs_error *err);
 
-/* An image in memory that is borrowed: 1 (gray) or 4 (RGBA; alpha is not used, the renderer draws on black)
- * bytes a pixel. */
+/* An image in memory that is borrowed: RGBA, of which alpha is not used (the renderer draws on black). */
 typedef struct {
-    const uint8_t *data; /* width * height * channels bytes */
-    uint32_t width, height, channels;
+    const uint8_t *data; /* width * height * 4 bytes */
+    uint32_t width, height;
 } hs_image;
 
 /* How an image is scaled. Nearest keeps pixels as they are. Smooth interpolates linearly between pixel

@@ -224,13 +224,8 @@ static bool check_items(const hs_panel_item *items, uint32_t count, hs_error *er
     const hs_image *first = &items[0].image;
     for (uint32_t i = 0; i < count; i++) {
         const hs_image *image = &items[i].image;
-        if (!image->data || image->width == 0 || image->height == 0 ||
-            (image->channels != 1 && image->channels != 4))
-            return hs_fail(err, HS_ERR_INPUT,
-                           "panel: picture %" PRIu32 " is %" PRIu32 " x %" PRIu32 " with %" PRIu32
-                           " channels",
-                           i, image->width, image->height, image->channels);
-        if (image->width != first->width || image->height != first->height)
+        if (!image->data || image->width == 0 || image->height == 0 || image->width != first->width ||
+            image->height != first->height)
             return hs_fail(err, HS_ERR_INPUT,
                            "panel: picture %" PRIu32 " is %" PRIu32 " x %" PRIu32 ", expected %" PRIu32
                            " x %" PRIu32,

@@ -9,7 +9,7 @@
 struct hs_dvr {
     const hs_cl *cl;
     hs_dvr_settings settings;
-    cl_kernel render, mip;
+    cl_kernel render;
     cl_kernel lit; /* NULL: the look is the thesis' */
 };
 
@@ -17,7 +17,6 @@ static bool init(hs_dvr *dvr, const hs_dvr_settings *settings, hs_error *err) {
     if (!hs_dvr_check_settings(settings, err)) return false;
     dvr->settings = *settings;
     return hs_cl_take_kernel(dvr->cl, HS_DVR_THESIS_KERNEL, &dvr->render, err) &&
-           hs_cl_take_kernel(dvr->cl, "project_maximum", &dvr->mip, err) &&
            (settings->look != HS_LOOK_LIT || hs_cl_take_kernel(dvr->cl, HS_DVR_LIT_KERNEL, &dvr->lit, err));
 }
 
@@ -36,7 +35,6 @@ hs_dvr *hs_dvr_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error
 void hs_dvr_destroy(hs_dvr *dvr) {
     if (!dvr) return;
     if (dvr->render) (void)clReleaseKernel(dvr->render);
-    if (dvr->mip) (void)clReleaseKernel(dvr->mip);
     if (dvr->lit) (void)clReleaseKernel(dvr->lit);
     free(dvr);
 }
@@ -93,19 +91,4 @@ bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera 
         !render_thesis(dvr, source, camera, depths, NULL, termination, rgba ? NULL : event, err))
         return false;
     return !rgba || render_lit(dvr, source, camera, depths, rgba, event, err);
-}
-
-bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera, cl_mem gray,
-                cl_event *event, hs_error *err) {
-    const uint64_t pixels = (uint64_t)dvr->settings.width * dvr->settings.height;
-    if (!hs_cl_check_size(gray, pixels, "the projection", err)) return false;
-    hs_ray_view v;
-    if (!hs_ray_view_of(&dvr->settings, source, camera, &v, err)) return false;
-    const cl_int4 picture = {{(cl_int)dvr->settings.width, (cl_int)dvr->settings.height, 0, 0}};
-    hs_launch launch = hs_launch_begin(dvr->cl, dvr->mip, "project_maximum");
-    hs_launch_buffer(&launch, v.voxels);
-    hs_launch_view(&launch, &v);
-    hs_launch_arg(&launch, sizeof picture, &picture);
-    hs_launch_buffer(&launch, gray);
-    return hs_dvr_launch(&launch, &dvr->settings, event, err);
 }

@@ -68,9 +68,4 @@ bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera 
                    const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
                    hs_error *err);
 
-/* Enqueues a maximum intensity projection of the same samples, unclipped, into `gray` (width * height
- * bytes). */
-bool hs_dvr_mip(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera, cl_mem gray,
-                cl_event *event, hs_error *err);
-
 #endif

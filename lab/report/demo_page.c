@@ -115,8 +115,6 @@ static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
     hs_page_wide_row_begin(page);
     show(page, out, c, hs_page_picture, "depthmap.png", "the clipping depthmap in false colour",
          "Clipping depthmap: where the rays start, in mm; hatched clips nothing");
-    show(page, out, c, hs_page_photo, "points.png", "initial points over the maximum intensity projection",
-         "Initial points over the maximum intensity projection");
     show(page, out, c, hs_page_picture, "confidence.png", "the plugin's confidence in its depthmap",
          "Confidence: how sure the plugin is of the depthmap");
     hs_page_row_end(page);

@@ -38,7 +38,7 @@ static bool hs_eval_save_picture(const hs_picture *picture, const char *folder, 
 /* A square picture of four bytes a pixel. */
 static bool hs_eval_save_rgba(const uint8_t *rgba, uint32_t side, const char *folder, const char *name,
                               hs_error *err) {
-    const hs_image image = {.data = rgba, .width = side, .height = side, .channels = 4};
+    const hs_image image = {.data = rgba, .width = side, .height = side};
     hs_picture picture;
     if (!hs_picture_init(&picture, side, side, 0, err)) return false;
     hs_picture_blit(&picture, 0, 0, side, side, &image, HS_SCALE_NEAREST);

@@ -40,9 +40,9 @@ hs_dvr_settings dvr_settings_of(const view_case *v);
 /* MAP_ODD holds what a broken plugin might: NaN and infinities beside depths. */
 void dvr_fill_map(test_random *random, int kind, float map[MAP_W * MAP_H]);
 
-/* What the kernels made: colours, maximum intensity projection, ends of the rays. */
+/* What the kernels made: colours, ends of the rays. */
 typedef struct {
-    uint8_t *rgba, *gray;
+    uint8_t *rgba;
     float *termination;
 } dvr_picture;
 

@@ -96,16 +96,14 @@ ref_pixel ref_dvr_pixel(const hs_volume *volume, const hs_camera *camera, const 
     double surface = (depth + 0.5) / (map->depth ? map->slices : 1.0) * slices / step - 0.5;
     double confidence = ref_confidence(map, u, v);
     double opacity = 0.0, light = 0.0;
-    bool done = false;
     for (double n = 0.0; n < steps; n += 1.0) {
         double position[3], face = 1.0, decision = 1.0;
         const double box[3] = {u, v, (n + 0.5) * step / slices};
         ref_position(volume, camera, box, position);
         bool inside = ref_inside(volume, position, &face);
         double value = inside ? ref_trilinear(volume, position, NULL) : 0.0;
-        pixel.maximum = fmax(pixel.maximum, value);
         pixel.margin = fmin(pixel.margin, face);
-        if (done || !inside) continue;
+        if (!inside) continue;
         double alpha = (value / 255.0 - (double)s->threshold_low) /
                        ((double)s->threshold_high - (double)s->threshold_low);
         alpha = fmin(fmax(alpha, 0.0), 1.0);
@@ -115,10 +113,9 @@ ref_pixel ref_dvr_pixel(const hs_volume *volume, const hs_camera *camera, const 
         opacity += (1.0 - opacity) * alpha;
         if (alpha > 0.0) decision = fmin(decision, fabs(opacity - (double)s->termination));
         pixel.margin = fmin(pixel.margin, decision);
-        if (opacity >= (double)s->termination) {
-            done = true;
-            pixel.termination = n;
-        }
+        if (opacity < (double)s->termination) continue;
+        pixel.termination = n;
+        break;
     }
     for (int c = 0; c < 3; c++) pixel.rgb[c] = fmin(light * (double)s->skin[c], 255.0);
     return pixel;

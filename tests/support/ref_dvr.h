@@ -20,7 +20,6 @@ typedef struct {
 typedef struct {
     double rgb[3];      /* 0 .. 255 */
     double termination; /* steps */
-    double maximum;     /* of all samples, 0 .. 255 */
     double margin;      /* how close a decision was: see ref_dvr_pixel */
 } ref_pixel;
 

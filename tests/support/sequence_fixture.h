@@ -37,7 +37,7 @@ void expect_failure(const hs_source *source, const uint8_t *levels, uint32_t ind
                     const char *told);
 
 /* Runs the loop a round and five frames more over the source, in the setting "smartvis" without a failure;
- * then every sixth volume's projection must show `levels` of it and nothing brighter. */
+ * then every sixth volume's picture must show `levels` of it and nothing brighter. */
 void expect_every_frame_shows_its_volume(const fixture *f, const hs_source *source, const uint8_t *levels);
 
 #endif

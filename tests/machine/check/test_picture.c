@@ -95,9 +95,17 @@ static void a_picture_has_limits(void **state) {
     }
 }
 
+/* Kept for the test. */
+static hs_image gray_image(const uint8_t *gray, uint32_t width, uint32_t height) {
+    const size_t pixels = (size_t)width * height;
+    uint8_t *rgba = unit_memory(pixels * 4);
+    for (size_t i = 0; i < pixels * 4; i++) rgba[i] = gray[i / 4];
+    return (hs_image){rgba, width, height};
+}
+
 static void blit_scales_and_clips(void **state) {
-    static const uint8_t gray[6] = {0, 100, 200, 10, 110, 210};
-    const hs_image image = {gray, 3, 2, 1};
+    static const uint8_t gray[6] = {0, 100, 200, 10, 110, 210}, black[4] = {0};
+    const hs_image image = gray_image(gray, 3, 2);
     hs_picture p = blank(9, 6, 0x123456);
     hs_picture_blit(&p, 0, 0, 9, 6, &image, HS_SCALE_NEAREST); /* 3 x 3 pixels for each */
     for (uint32_t y = 0; y < 6; y++)
@@ -118,17 +126,17 @@ static void blit_scales_and_clips(void **state) {
     hs_picture_blit(&p, -2, -1, 3, 2, &image, HS_SCALE_NEAREST); /* only its last pixel is inside */
     assert_int_equal(pixel(&p, 0, 0), 210 * 0x010101);
     assert_int_equal(pixel(&p, 1, 0), 7);
-    hs_picture_blit(&p, 8, 5, UINT32_MAX / 2, 1, &(hs_image){gray, 1, 1, 1}, HS_SCALE_NEAREST);
+    hs_picture_blit(&p, 8, 5, UINT32_MAX / 2, 1, &(hs_image){black, 1, 1}, HS_SCALE_NEAREST);
     assert_int_equal(pixel(&p, 8, 5), 0);
     static const uint8_t rgba[4] = {1, 2, 3, 0};
-    hs_picture_blit(&p, 3, 3, 1, 1, &(hs_image){rgba, 1, 1, 4}, HS_SCALE_SMOOTH);
+    hs_picture_blit(&p, 3, 3, 1, 1, &(hs_image){rgba, 1, 1}, HS_SCALE_SMOOTH);
     assert_int_equal(pixel(&p, 3, 3), 0x010203); /* alpha does not count */
 }
 
 /* Where it becomes smaller every pixel is the mean of what it covers, parts of pixels included. */
 static void a_smaller_picture_does_not_alias(void **state) {
     static const uint8_t gray[6] = {0, 90, 240, 30, 120, 60};
-    const hs_image image = {gray, 3, 2, 1};
+    const hs_image image = gray_image(gray, 3, 2);
     hs_picture p = blank(16, 16, 0);
     hs_picture_blit(&p, 0, 0, 2, 1, &image, HS_SCALE_SMOOTH);
     /* Columns 0 .. 1.5 and 1.5 .. 3 of both rows: (0 + 30 + (90 + 120) / 2) / 3, (240 + 60 + 105) / 3. */
@@ -137,9 +145,10 @@ static void a_smaller_picture_does_not_alias(void **state) {
     /* A board of single black and white pixels is grey, at every size below its own. */
     static uint8_t board[64 * 64];
     for (uint32_t i = 0; i < 64 * 64; i++) board[i] = (i + i / 64) % 2 ? 255 : 0;
+    const hs_image cells_image = gray_image(board, 64, 64);
     for (uint32_t side = 1; side <= 16; side++) {
         const double cells = 64.0 / side * 64.0 / side; /* in a pixel: at most one more of either colour */
-        hs_picture_blit(&p, 0, 0, side, side, &(hs_image){board, 64, 64, 1}, HS_SCALE_SMOOTH);
+        hs_picture_blit(&p, 0, 0, side, side, &cells_image, HS_SCALE_SMOOTH);
         for (uint32_t i = 0; i < side * side; i++)
             assert_true(fabs((double)(pixel(&p, i % side, i / side) & 255) - 127.5) <= 127.5 / cells + 0.5);
     }
@@ -245,9 +254,8 @@ static void three_panels_make_1600_pixels(void **state) {
     static uint8_t rgba[3][64 * 64 * 4];
     for (int i = 0; i < 3; i++)
         for (size_t k = 0; k < sizeof rgba[i]; k++) rgba[i][k] = (uint8_t)(60 * (i + 1));
-    hs_panel_item items[3] = {{"result", {rgba[0], 64, 64, 4}},
-                              {"full volume", {rgba[1], 64, 64, 4}},
-                              {NULL, {rgba[2], 64, 64, 4}}};
+    hs_panel_item items[3] = {
+        {"result", {rgba[0], 64, 64}}, {"full volume", {rgba[1], 64, 64}}, {NULL, {rgba[2], 64, 64}}};
     const hs_caption caption = {"title", "one\ntwo"};
     hs_error err = {0};
     hs_picture p, bare;
@@ -305,33 +313,6 @@ static void a_depthmap_shows_depths_and_what_clips_nothing(void **state) {
     assert_non_null(strstr(err.text, "map is 0 x 8"));
 }
 
-static void points_lie_over_the_mip(void **state) {
-    uint8_t status[64] = {0}, mip[16 * 16];
-    float depth[64] = {0};
-    memset(mip, 90, sizeof mip);
-    status[9] = SV_POINT_INITIAL, depth[9] = 20.0f;
-    status[10] = SV_POINT_INITIAL, depth[10] = 60.0f;
-    status[11] = SV_POINT_EMPTY, depth[11] = 500.0f; /* must not stretch the colour bar */
-    depth[12] = 900.0f;                              /* no point: neither */
-    hs_error err = {0};
-    hs_picture p;
-    assert_true(hs_picture_points(&p, &(hs_image){mip, 16, 16, 1}, status, depth, 8, 8,
-                                  &(hs_caption){"points", "facts"}, &err));
-    assert_int_equal(map_pixel(&p, 1, 1), 0x440154);
-    assert_int_equal(map_pixel(&p, 2, 1), 0xfde725);
-    assert_int_equal(map_pixel(&p, 3, 1), HS_COLOUR_EMPTY);
-    assert_int_equal(map_pixel(&p, 4, 1), 90 * 0x010101);
-    hs_picture_free(&p);
-
-    memset(depth, 0, sizeof depth); /* no surface: the legend's colour, and none that it does not explain */
-    assert_true(hs_picture_points(&p, &(hs_image){mip, 16, 16, 1}, status, depth, 8, 8,
-                                  &(hs_caption){"points", "facts"}, &err));
-    assert_int_equal(map_pixel(&p, 1, 1), hs_colour_viridis(0.6));
-    assert_int_equal(map_pixel(&p, 2, 1), hs_colour_viridis(0.6));
-    assert_int_equal(map_pixel(&p, 3, 1), HS_COLOUR_EMPTY);
-    hs_picture_free(&p);
-}
-
 static void signed_maps_and_shares_use_their_colours(void **state) {
     float value[64] = {0};
     value[0] = 4.0f, value[1] = -2.0f, value[2] = NAN, value[3] = -4.0f;
@@ -384,5 +365,4 @@ UNIT_MAIN(setup, teardown, cmocka_unit_test(viridis_is_perceptually_uniform),
           cmocka_unit_test(text_stays_in_its_place), cmocka_unit_test(a_long_text_is_set_smaller_first),
           cmocka_unit_test(three_panels_make_1600_pixels),
           cmocka_unit_test(a_depthmap_shows_depths_and_what_clips_nothing),
-          cmocka_unit_test(points_lie_over_the_mip),
           cmocka_unit_test(signed_maps_and_shares_use_their_colours), cmocka_unit_test(odd_sizes_are_drawn))

@@ -52,11 +52,9 @@ static bool draw(const turns *t, const hs_loop_options *options, const sv_param_
                  const char *path, hs_error *err) {
     hs_panel_item items[POSITIONS];
     for (uint32_t i = 0; i < POSITIONS; i++)
-        items[i] = (hs_panel_item){.caption = t->captions[i],
-                                   .image = {.data = t->rgba[i],
-                                             .width = options->dvr.width,
-                                             .height = options->dvr.height,
-                                             .channels = 4}};
+        items[i] = (hs_panel_item){
+            .caption = t->captions[i],
+            .image = {.data = t->rgba[i], .width = options->dvr.width, .height = options->dvr.height}};
     char footer[600];
     (void)snprintf(footer, sizeof footer, "%s (%s). %s", info->label, info->key, info->help);
     const hs_caption caption = {.title = title, .footer = footer};
@@ -143,7 +141,7 @@ static bool save(bool made, hs_picture *picture, const char *folder, const char 
 }
 
 static hs_image rgba_image(const hs_view *view, const uint8_t *pixels) {
-    return (hs_image){.data = pixels, .width = view->width, .height = view->height, .channels = 4};
+    return (hs_image){.data = pixels, .width = view->width, .height = view->height};
 }
 
 /* A rendered picture without anything around it. */
@@ -171,8 +169,8 @@ static bool write_panel(const hs_view *view, const char *folder, const char *tit
     return save(made, &picture, folder, "panel.png", err);
 }
 
-static bool write_depthmap(const hs_view *view, const float *mm, const char *folder, const char *title,
-                           const char *note, hs_error *err) {
+static bool write_depthmap(const hs_view *view, const char *folder, const char *title, const char *note,
+                           hs_error *err) {
     char facts[1400];
     const hs_camera *c = &view->camera;
     (void)snprintf(facts, sizeof facts,
@@ -181,7 +179,10 @@ static bool write_depthmap(const hs_view *view, const float *mm, const char *fol
                    note ? note : "");
     const hs_caption caption = {.title = title, .footer = facts};
     hs_picture picture;
-    const bool made = hs_picture_depthmap(&picture, mm, view->map_width, view->map_height, &caption, err);
+    float *mm = depth_in_mm(view, err);
+    const bool made =
+        mm && hs_picture_depthmap(&picture, mm, view->map_width, view->map_height, &caption, err);
+    free(mm);
     return save(made, &picture, folder, "depthmap.png", err);
 }
 
@@ -191,42 +192,6 @@ static bool leave_out(const char *folder, const char *name, hs_error *err) {
     if (!hs_path_join(folder, name, path, sizeof path, err)) return false;
     return unlink(path) == 0 || errno == ENOENT ||
            hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be removed: %s", path, strerror(errno));
-}
-
-static bool has_points(const hs_view *view) {
-    for (size_t i = 0; i < (size_t)view->map_width * view->map_height; i++)
-        if (view->status[i] != SV_POINT_NONE) return true;
-    return false;
-}
-
-/* Not every method looks for points. */
-static bool write_points(const hs_view *view, const float *mm, const char *folder, const char *title,
-                         const char *note, hs_error *err) {
-    if (!has_points(view)) return leave_out(folder, "points.png", err);
-    const hs_image mip = {.data = view->mip, .width = view->width, .height = view->height, .channels = 1};
-    char facts[1400];
-    char threshold[32] = "";
-    if (view->frame.points.size > 0)
-        (void)snprintf(threshold, sizeof threshold, ", T_B %.3f", (double)view->frame.points.bone_threshold);
-    (void)snprintf(facts, sizeof facts, "%s%s%s%s",
-                   view->frame.clipped ? "coloured by the depth of the clipping surface there"
-                                       : "initial points",
-                   threshold, note ? "\n" : "", note ? note : "");
-    const hs_caption caption = {.title = title, .footer = facts};
-    hs_picture picture;
-    const bool made =
-        hs_picture_points(&picture, &mip, view->status, mm, view->map_width, view->map_height, &caption, err);
-    return save(made, &picture, folder, "points.png", err);
-}
-
-/* Both maps are about depths. */
-static bool write_depths(const hs_view *view, const char *folder, const char *title, const char *note,
-                         hs_error *err) {
-    float *mm = depth_in_mm(view, err);
-    const bool ok = mm && write_depthmap(view, mm, folder, title, note, err) &&
-                    write_points(view, mm, folder, title, note, err);
-    free(mm);
-    return ok;
 }
 
 /* Only a plugin that has one gives a confidence. */
@@ -262,7 +227,7 @@ bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char 
            (!view->truth || write_plain(view, view->truth, folder, "truth.png", err)) &&
            write_panel(view, folder, title, note, cell, err) &&
            write_slices(view, folder, title, note, cell, err) &&
-           write_depths(view, folder, title, note, err) && write_confidence(view, folder, title, err);
+           write_depthmap(view, folder, title, note, err) && write_confidence(view, folder, title, err);
 }
 
 /* `upper` above `lower`, on a picture as wide as the wider one. */

@@ -19,7 +19,6 @@ bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_op
  *   panel.png                         the same side by side
  *   slices.png                        the result beside three slices with the clipping surface drawn in
  *   depthmap.png                      the clipping depthmap in false colour, with a legend
- *   points.png                        initial points over the maximum intensity projection, if there are any
  *   confidence.png                    the plugin's confidence, if it gave one
  * `title` names source and plugin. `note` (may be NULL) is what hs_frame_note says; `cell` is the width
  * of a picture in panel.png in pixels, 0: 512.

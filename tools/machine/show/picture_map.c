@@ -22,8 +22,6 @@ enum {
     MIN_HEIGHT = 420 /* the legend needs it */
 };
 
-#define POINT_SHADE 0.6 /* of the depths' colours: an initial point in the legend */
-
 /* A map's place in its picture. */
 typedef struct {
     uint32_t map_width, map_height; /* entries */
@@ -114,21 +112,19 @@ typedef struct {
     float low, high;
 } depth_range;
 
-/* That of the depths that are points in `status` (may be NULL: all are). */
-static depth_range find_range(const float *depth, const uint8_t *status, size_t count) {
+/* That of the depths that clip. */
+static depth_range find_range(const float *depth, size_t count) {
     depth_range range = {INFINITY, -INFINITY};
     for (size_t i = 0; i < count; i++) {
-        if (!isfinite(depth[i]) || depth[i] <= 0.0f || (status && status[i] != SV_POINT_INITIAL)) continue;
+        if (!isfinite(depth[i]) || depth[i] <= 0.0f) continue;
         range.low = fminf(range.low, depth[i]);
         range.high = fmaxf(range.high, depth[i]);
     }
     return range;
 }
 
-/* A depth's place in the range. In an empty range, where no ray has a surface, all are of the legend's
- * colour. */
+/* A depth's place in the range, which is not empty. */
 static uint32_t depth_colour(float depth, depth_range range) {
-    if (range.low > range.high) return hs_colour_viridis(POINT_SHADE);
     const double span = (double)range.high - range.low;
     return hs_colour_viridis(span > 0.0 ? ((double)depth - range.low) / span : 1.0);
 }
@@ -144,11 +140,11 @@ static double draw_bar(cairo_t *cr, const layout *l, hs_colour_bar *bar, uint32_
     return bar->y + bar->height + BAR_MARGIN;
 }
 
-/* The bar of depths; `none` stands in its place if there is no depth. */
-static double draw_depth_bar(cairo_t *cr, const layout *l, depth_range range, const char *none,
-                             uint32_t rows) {
+/* The bar of depths; words stand in its place if there is no depth. */
+static double draw_depth_bar(cairo_t *cr, const layout *l, depth_range range) {
     if (range.low > range.high) {
-        hs_draw_text(cr, l->legend_x, l->y + 14.0, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, none);
+        hs_draw_text(cr, l->legend_x, l->y + 14.0, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH,
+                     "no ray is clipped");
         return (double)l->y + BAR_MARGIN;
     }
     hs_colour_bar bar = {.low = range.low,
@@ -157,7 +153,7 @@ static double draw_depth_bar(cairo_t *cr, const layout *l, depth_range range, co
                          .heading = "depth [mm]",
                          .high_word = "far",
                          .low_word = "near"};
-    return draw_bar(cr, l, &bar, rows);
+    return draw_bar(cr, l, &bar, 2);
 }
 
 bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height,
@@ -165,7 +161,7 @@ bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, ui
     layout l;
     if (!begin_map(out, &l, width, height, caption, err)) return false;
     const size_t count = (size_t)width * height;
-    const depth_range range = find_range(depth, NULL, count);
+    const depth_range range = find_range(depth, count);
     size_t nothing = 0, invalid = 0;
     for (size_t i = 0; i < count; i++) {
         if (!isfinite(depth[i]))
@@ -183,45 +179,13 @@ bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, ui
     }
     cairo_t *cr = hs_draw_begin(out);
     char text[96];
-    const double y = draw_depth_bar(cr, &l, range, "no ray is clipped", 2);
+    const double y = draw_depth_bar(cr, &l, range);
     (void)snprintf(text, sizeof text, "clips nothing: %.1f %%", percent(nothing, count));
     draw_entry(cr, &l, y, 0, true, text);
     if (invalid > 0) {
         (void)snprintf(text, sizeof text, "not a number: %zu", invalid);
         draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_INVALID, false, text);
     }
-    return end_map(out, cr, &l, caption, err);
-}
-
-bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *status, const float *depth,
-                       uint32_t width, uint32_t height, const hs_caption *caption, hs_error *err) {
-    layout l;
-    if (!begin_map(out, &l, width, height, caption, err)) return false;
-    const size_t count = (size_t)width * height;
-    const depth_range range = find_range(depth, status, count);
-    size_t points = 0, empty = 0;
-    for (size_t i = 0; i < count; i++) {
-        points += status[i] == SV_POINT_INITIAL;
-        empty += status[i] == SV_POINT_EMPTY;
-    }
-    hs_picture_blit(out, (int32_t)l.x, (int32_t)l.y, l.width, l.height, mip, HS_SCALE_SMOOTH);
-    for (uint32_t j = 0; j < l.height; j++) {
-        for (uint32_t i = 0; i < l.width; i++) {
-            const size_t at = entry_at(&l, i, j);
-            if (status[at] == SV_POINT_INITIAL)
-                *pixel_at(out, &l, i, j) = depth_colour(depth[at], range);
-            else if (status[at] == SV_POINT_EMPTY)
-                *pixel_at(out, &l, i, j) = HS_COLOUR_EMPTY;
-        }
-    }
-    cairo_t *cr = hs_draw_begin(out);
-    char text[96];
-    const double y = draw_depth_bar(cr, &l, range, "no point has a surface", 3);
-    (void)snprintf(text, sizeof text, "%zu points, %.1f %% of the rays", points, percent(points, count));
-    draw_entry(cr, &l, y, hs_colour_viridis(POINT_SHADE), false, text);
-    (void)snprintf(text, sizeof text, "%zu points with an empty interval", empty);
-    draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_EMPTY, false, text);
-    draw_entry(cr, &l, y + 2.0 * ROW_STEP, 0x808080, false, "maximum intensity, no point");
     return end_map(out, cr, &l, caption, err);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Maps in colour with a legend beside them: depth, initial points, signed values, shares. Maps are
+ * Maps in colour with a legend beside them: depth, signed values, shares. Maps are
  * row-major, rows top to bottom, as the camera sees them. Every function allocates *out (hs_picture_free it);
  * on failure it is zeroed. Any thread, on different pictures at once.
  */
@@ -11,20 +11,12 @@
 
 #define HS_COLOUR_NOTHING_A 0x6a6d72u /* "clips nothing": a hatch of two greys */
 #define HS_COLOUR_NOTHING_B 0x4b4e53u
-#define HS_COLOUR_EMPTY     0xff4b3eu /* an initial point with an empty interval */
 
 /* A depthmap (width * height float32, mm) in viridis with a colour bar over the depths that are there. A
  * depth <= 0 clips nothing: grey hatch, its share in the legend. NaN and infinities are drawn in
  * HS_COLOUR_INVALID and counted. */
 bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height,
                          const hs_caption *caption, hs_error *err);
-
-/* Initial points over the MIP. `mip` is scaled to the map; `status` (SV_POINT_*) and `depth` (mm) are
- * width * height: a point in an interval has the colour of its depth, one with an empty interval
- * HS_COLOUR_EMPTY. The legend counts both. A depth <= 0 of an interval point has the colour of the smallest,
- * or the legend's if no depth is above 0. */
-bool hs_picture_points(hs_picture *out, const hs_image *mip, const uint8_t *status, const float *depth,
-                       uint32_t width, uint32_t height, const hs_caption *caption, hs_error *err);
 
 /* Words of a signed map's legend. */
 typedef struct {

@@ -252,7 +252,7 @@ static bool draw_slices(const slices *s, hs_picture *out, double top, hs_error *
     const bool ok =
         (rgba && removed) || hs_fail(err, HS_ERR_MEMORY, "slices: no memory for %zu pixels", pixels);
     for (int p = 0; ok && p < 3; p++) {
-        const hs_image image = {.data = rgba, .width = s->cell, .height = s->cell, .channels = 4};
+        const hs_image image = {.data = rgba, .width = s->cell, .height = s->cell};
         const double x = GAP + s->cell + SCALE + p * (double)(s->cell + SCALE + GAP);
         hs_slice_fill(&s->scene, (hs_slice_plane)p, s->cell, rgba, removed);
         hs_picture_blit(out, (int32_t)x, (int32_t)top, s->cell, s->cell, &image, HS_SCALE_NEAREST);
@@ -299,8 +299,7 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
     if (!hs_picture_init(out, width, top + s.cell + FOOT + LEGEND + facts * FACT_STEP + GAP / 2,
                          HS_COLOUR_BACKGROUND, err))
         return false;
-    const hs_image result = {
-        .data = view->result, .width = view->width, .height = view->height, .channels = 4};
+    const hs_image result = {.data = view->result, .width = view->width, .height = view->height};
     hs_picture_blit(out, GAP, (int32_t)top, s.cell, s.cell, &result, HS_SCALE_SMOOTH);
     cairo_t *cr = hs_draw_begin(out);
     if (caption->title)
