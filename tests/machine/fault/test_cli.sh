@@ -91,7 +91,7 @@ expect 3 "N99" "${run[@]}" --scene N99
 expect 3 "missing.mha" info missing.mha
 expect 3 "/no/such/folder" demo --out "$work/out" --data /no/such/folder
 
-# ---------------------------------------------------------- exit code 4: plugin, picture unclipped
+# ---------------------------------------------------------- exit code 4: plugin, picture unclipped (other words: test_loader)
 "$host_sim" "${good[@]}" --setting dvr --plugin "$plugins/plane.so" > /dev/null 2>&1
 cp out/full.png full.png
 unclipped() {
@@ -105,13 +105,9 @@ expect 4 "no_such.so: cannot read the plugin file: No such file" "${good[@]}" --
 holds [ ! -e out ]
 unclipped "good.mha: not a library of plugins" "${good[@]}" --plugin good.mha
 unclipped "no symbol smartvis_plugin_entry" "${good[@]}" --plugin "$plugins/no_symbol.so"
-unclipped "ABI major 2, this host speaks 1" "${good[@]}" --plugin "$plugins/other_major.so"
-unclipped "entry.size is 16" "${good[@]}" --plugin "$plugins/short_entry.so"
-unclipped "create 'org.smartvis.test.plane': SV_ERR_NO_MEMORY (-40)" "${good[@]}" --plugin "$plugins/create_fails.so"
 far="create 'org.smartvis.test.plane': SV_ERR_INTERNAL (-1): parameter 'depth': the default is 100000, expected -10000 to 10000"
 unclipped "$far" "${good[@]}" --plugin "$plugins/far_default.so"
 holds grep -q "^Last frame: .*$far" stdout
-unclipped "instance.slab is NULL" "${good[@]}" --plugin "$plugins/no_slab.so"
 unclipped "no plugin with id 'a.b'" "${good[@]}" --plugin "$plugins/plane.so" --id a.b
 for call in activate begin slab end; do
     unclipped "$call: SV_ERR_INTERNAL (-1): fails in $call on purpose" "${good[@]}" --slab 2 \
@@ -152,17 +148,12 @@ for queue in "" --own-queue; do
     holds [ "$(cmp -s out/result.png out/full.png; echo $?)" = 1 ]
 done
 
-# A confidence that is none: said once, and the picture is the one without it. The lit veil is as strong as it gets here, sure
-# or not; the thesis' look tells the two apart.
-ghost=(--look thesis --set depth=3 --ghost-offset 8 --ghost-width 8)
-expect 0 "" "${good[@]}" --plugin "$plugins/plane.so" "${ghost[@]}"
-holds cp "$work/out/result.png" "$work/plain.png"
+# A confidence that is none is said once (that the picture is the one without it: test_confidence_faults); one that is is drawn.
+ghost=(--set depth=3 --ghost-offset 8 --ghost-width 8)
 expect 0 "confidence_nan.so: confidence: 1 of " "${good[@]}" --plugin "$plugins/confidence_nan.so" "${ghost[@]}" --frames 4
 holds [ "$(grep -c 'ghosting without the confidence map' "$work/stderr")" = 1 ]
-holds cmp "$work/out/result.png" "$work/plain.png"
 expect 0 "" "${good[@]}" --plugin "$plugins/confidence_ramp.so" "${ghost[@]}"
 holds [ ! -s "$work/stderr" ]
-holds [ "$(cmp -s "$work/out/result.png" "$work/plain.png"; echo $?)" = 1 ]
 holds [ -s "$work/out/confidence.png" ]
 
 # ------------------------------------------------------------------------------ exit code 5: device

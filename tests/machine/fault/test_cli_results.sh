@@ -100,7 +100,9 @@ holds grep -aqxF "DimSize = 24 24 24 2" out/clipped.mha
 holds [ -s out/surface_0001.ply ]
 expect 0 "a sequence of 2 volumes" info out/clipped.mha
 expect 0 "Clipped although doubtful (14 %, sure from 30 %): the fetus may be cut." "${run[@]}" --plugin "$build/tests/plugins/confidence_doubtful.so" --volume plain.mha
-expect 4 "confidence: the plugin gave none" "${run[@]}" --volume plain.mha --write confidence
+rm -rf out
+expect 4 "confidence: the plugin gave none" "${run[@]}" --volume plain.mha --write confidence,mask
+holds [ ! -e out/mask.mha ]
 expect 4 "nothing is cut away in 1" "${run[@]}" --volume plain.mha --write mask --set fail=end
 expect 2 "--write: 'depth' is none of depthmap, confidence, status, clipped, mask, surface, or all" "${run[@]}" --volume plain.mha --write depth
 expect 2 "--write: needs a camera that stands still, --orbit is 60 degrees" "${run[@]}" --volume plain.mha --write mask --orbit 60

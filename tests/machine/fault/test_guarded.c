@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Plugins behind the guard. What works comes to the same bits as without it, extensions and texts included;
- * what crashes, leaves, hangs or takes all memory costs its frame, is told with its call, and is started anew
- * a few times.
+ * what crashes or leaves costs its frame, is told with its call, and is started anew a few times. (What hangs
+ * or takes all memory: test_wrong_plugins.)
  */
 #include "guarded/guarded.h"
 #include "loop/loop_run.h"
@@ -230,33 +230,6 @@ static void restarts_are_bounded(void **state) {
     assert_false(hs_guarded_close(&plugin, &err));
 }
 
-/* Neither a call without end nor one that takes all memory holds the loop. */
-static void limits_hold(void **state) {
-    const fixture *f = *state;
-    static const char *const table[][2] = {
-        {"tests/plugins/by_hang.so", "end: SV_ERR_INTERNAL (-1): ran out of time (0.5 s) in end"},
-        {"tests/plugins/by_grab.so", "end: SV_ERR_INTERNAL (-1): took more than 1024 MiB in end"}};
-    for (size_t n = 0; n < 2; n++) {
-        hs_plugin plugin;
-        hs_error err = {0};
-        hs_guard_options on = guard_of(HS_GUARD_ON);
-        on.restarts = 0;
-        on.frame_s = n == 0 ? 0.5 : 100;
-        open_with(&plugin, table[n][0], &on);
-        const sv_param_value value = {.id = FAIL, .value = FAIL_END};
-        const hs_loop_options o = options_with(&value, 1);
-        hs_loop *loop = make_loop_of(f, &plugin, &o);
-        hs_view view = view_of(loop, 0);
-        assert_false(view.frame.clipped);
-        expect_same(view.result, view.full, (size_t)4 * PICTURE * PICTURE, "picture than the unclipped one",
-                    n);
-        if (!strstr(hs_loop_plugin_error(loop)->text, table[n][1]))
-            fail_msg("%s", hs_loop_plugin_error(loop)->text);
-        end_loop(loop);
-        assert_false(hs_guarded_close(&plugin, &err));
-    }
-}
-
 /* A plugin's own error is told as it is without the guard, and ends no child. */
 static void an_error_is_an_error(void **state) {
     const fixture *f = *state;
@@ -302,5 +275,4 @@ static int set_up_crashes(void **state) {
 UNIT_MAIN(set_up_crashes, tear_down, cmocka_unit_test(every_way_gives_the_same_bits),
           cmocka_unit_test(parameters_tell_the_same), cmocka_unit_test(extensions_reach_through),
           cmocka_unit_test(a_crash_costs_its_frame), cmocka_unit_test(restarts_are_bounded),
-          cmocka_unit_test(limits_hold), cmocka_unit_test(an_error_is_an_error),
-          cmocka_unit_test(who_is_guarded))
+          cmocka_unit_test(an_error_is_an_error), cmocka_unit_test(who_is_guarded))
