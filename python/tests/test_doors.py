@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Files of many kinds through all doors that take them, run, report, measure, console, smartvis clip, batch and serve:
-the same bits at each, or one true sentence."""
+"""Files of many kinds, and those of ../shared/cases where they are at hand, through all doors that take them: info,
+run, report, measure, console, smartvis clip, batch and serve: the same bits at each, or one true sentence."""
 
 import csv
 import html
 import json
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -18,7 +19,8 @@ from pyigtl.messages import ImageMessage
 from test_kinds import MM, RIGHT, SAID, host, meta, nrrd, written
 
 import smartvis
-from smartvis._files import Source, stem
+from smartvis._files import Source
+from smartvis._images import says_spacing
 from smartvis._study import folder_of
 from smartvis._work import Settings
 from smartvis.cli import main
@@ -28,6 +30,29 @@ sys.path.append(str(SOURCE / "tests/machine/console"))
 from console_client import Console, Page  # type: ignore[import-not-found]
 
 FEW = ("--frames", 1, "--setting", "smartvis", "--picture", 32, "--few-pictures", "--write", "depthmap", "--out")
+
+
+def beat(path: Path, voxels: np.ndarray) -> None:
+    """Two volumes in a file beside the header."""
+    meta(path, voxels[:0], f"{MM} 1", frames=2)
+    data = path.with_suffix(".raw")
+    path.write_bytes(path.read_bytes().replace(b"LOCAL", data.name.encode()))
+    data.write_bytes(voxels.tobytes() + voxels[:, ::-1].tobytes())
+
+
+def fan(path: Path, _: np.ndarray) -> None:
+    """A Kretz volume."""
+    host("scenes", "D01", "--size", 96, "--export", "--format", "vol", "--out", path.with_suffix(""))
+    shutil.move(path.with_suffix("") / "D01_full.vol", path)
+    shutil.rmtree(path.with_suffix(""))
+
+
+def the_users(path: Path, _: np.ndarray) -> None:
+    """A copy of a file or folder of ../shared/cases: the console follows no link that leads out of its folder."""
+    case = CASES / path.name.removeprefix("the_")
+    (shutil.copytree if case.is_dir() else shutil.copyfile)(case, path)
+    if case.suffix == ".mhd":
+        shutil.copyfile(case.with_suffix(".raw"), path.with_name(f"{case.stem}.raw"))
 
 
 def along_y(voxels: np.ndarray) -> np.ndarray:
@@ -55,12 +80,24 @@ FURTHER = {  # name: how it is made, what is said; "": it is clipped as the plai
         lambda path, v: meta(path, np.repeat(v[..., None], 2, -1), MM, "ElementNumberOfChannels = 2"),
         "ElementNumberOfChannels is '2'"),
     "thick.nrrd": (lambda path, v: nrrd(path, v, "thicknesses: 1.25 1.25 2.5"), "does not say how far apart"),
+    "beat.mhd": (beat, ""),
+    "probe.vol": (fan, ""),
 }  # fmt: skip
+CASES = SOURCE / "../shared/cases"
+USERS = {  # what users elsewhere have; "": the surface is where the plain file's is
+    **dict.fromkeys(("the_enhanced.dcm", "the_enhanced_t.dcm", "the_folder_enh", "the_folder_time", "the_um.nrrd"), ""),
+    **dict.fromkeys(("the_outside_16.mha", "the_db_nan.mha", "the_db_999.mha", "the_supra.mhd", "the_rgb.nrrd"), ""),
+    **dict.fromkeys(("the_nospace.mha", "the_nospace.nrrd"), "does not say how far apart its voxels are"),
+    "the_plus_reconstructed.mha": "The scan narrows towards -z",
+}
+NEAR_MM = 1.5  # other levels, and the scenes of sequences are not the very same volume
+BITS = ("plain.mha", "beat.mhd", "probe.vol", "the_supra.mhd", "db_nan.mha")  # whose maps the console writes
 ALONE = ("times.dcm", "supra.mha", "folder", "nothing", "slices", "packed.mha.gz")  # test_kinds has them
 ROWS: dict[str, tuple[Any, str]] = {
     **FURTHER,
     **{name: (make, "") for name, make in RIGHT.items() if name not in ALONE},
     **{name: (make, words) for name, (make, _, words) in SAID.items() if name not in ALONE},
+    **{name: (the_users, words) for name, words in USERS.items() if CASES.is_dir()},
 }
 
 
@@ -71,7 +108,7 @@ def scene() -> smartvis.Scene:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, scene: smartvis.Scene) -> Path:
-    """A file of every row, and where the report can have it, its truth in a folder of its name."""
+    """A file of every row."""
     made = tmp_path_factory.mktemp("rows")
     for name, (make, _) in ROWS.items():
         make(made / name, scene.full[::2])
@@ -79,8 +116,13 @@ def folder(tmp_path_factory, scene: smartvis.Scene) -> Path:
 
 
 @pytest.fixture(scope="module")
+def plain_mm(folder: Path) -> float:
+    return float(smartvis.clip(folder / "plain.mha").depth_mm.mean())
+
+
+@pytest.fixture(scope="module")
 def on_page(folder: Path, tmp_path_factory) -> Iterator[Callable[[str], tuple[str, np.ndarray | None]]]:
-    """Opens a volume in the console: what its page is told, and of the plain file the depthmap that it writes."""
+    """Opens a volume in the console: what its page is told, and of some files the depthmap that it writes."""
     out = tmp_path_factory.mktemp("console")
     console = Console(str(BUILD), ["--out", str(out), str(folder)])
     page = Page(console, timeout=LONG)
@@ -88,7 +130,7 @@ def on_page(folder: Path, tmp_path_factory) -> Iterator[Callable[[str], tuple[st
 
     def opened(name: str) -> tuple[str, np.ndarray | None]:
         frame = page.show(source={"folder": 0, "path": name, "from": "probe"})
-        if name != "plain.mha":  # its files take long
+        if name not in BITS:
             return json.dumps(frame), None
         page.say({"type": "do", "what": "write"})
         return json.dumps(frame), read(Path(page.text("written")["folder"]) / "depthmap.mha")
@@ -99,19 +141,26 @@ def on_page(folder: Path, tmp_path_factory) -> Iterator[Callable[[str], tuple[st
 
 @pytest.fixture(scope="module")
 def batched(folder: Path, tmp_path_factory) -> dict[str, tuple[str, np.ndarray | None]]:
+    """Of every file the first volume, and what the table says of all."""
     out = tmp_path_factory.mktemp("batch")
-    main(["batch", *map(str, sorted(folder.iterdir())), "--out", str(out), "--workers", "2", "--write", "depth"])
+    main(["batch", *(str(folder / name) for name in ROWS), "--out", str(out), "--workers", "2", "--write", "depth"])
     with open(out / "table.csv", newline="") as table:
         rows = list(csv.DictReader(table))
-    maps = {row["file"]: read(folder_of(out, Path(row["file"])) / row["files"]) for row in rows if row["files"]}
-    return {Path(row["file"]).name: (str(row), maps.get(row["file"])) for row in rows}
+    made: dict[str, tuple[str, np.ndarray | None]] = {}
+    for row in rows:
+        said, depth = made.get(name := Path(row["file"]).name, ("", None))
+        if row["frame"] == "0" and row["files"]:
+            depth = read(folder_of(out, Path(row["file"])) / row["files"])
+        made[name] = (said + str(row), depth)
+    return made
 
 
 def read(path: Path) -> np.ndarray | None:
+    """The map in a file, of a sequence the first."""
     if not path.exists():
         return None
     voxels = sitk.GetArrayFromImage(sitk.ReadImage(str(path)))
-    return voxels.reshape(-1, *voxels.shape[-2:])[-1]
+    return voxels.reshape(-1, *voxels.shape[-2:])[0]
 
 
 def run(path: Path, out: Path, *more: object) -> tuple[str, np.ndarray | None]:
@@ -119,63 +168,73 @@ def run(path: Path, out: Path, *more: object) -> tuple[str, np.ndarray | None]:
     return said, read(out / "depthmap.mha")
 
 
-def served(path: Path) -> tuple[str, np.ndarray | None]:
-    """As a message, which always says a spacing, and voxels that Python can read."""
-    image = Source(path).read()
+def served(image: sitk.Image) -> tuple[str, np.ndarray | None]:
+    """As a message, which always says a spacing."""
     matrix = np.diag([*image.GetSpacing(), 1.0])
     message = ImageMessage(sitk.GetArrayFromImage(image), ijk_to_world_matrix=matrix, device_name="Scan")
     answers = Session(Settings(), Budget(1 << 40, 1 << 40)).answer(message)
     return answers[-1].string, answers[1].image[0]
 
 
-def reported(path: Path, make: Any, scene: smartvis.Scene, map_: np.ndarray | None, out: Path) -> dict[str, str]:
-    """What `report`, its page and `measure` say; the plugin's surface and this map are the same bits."""
-    out.mkdir()
-    make(out / f"truth{path.suffix}", scene.truth[::2])
-    written(scene.label[None].astype(np.uint8), out / "label.mha")
-    case = f"{path},{out / f'truth{path.suffix}'},{out / 'label.mha'}"
+def reported(path: Path, truth: Path, scene: smartvis.Scene, shape: Any, result: Any, out: Path) -> dict[str, str]:
+    """What `report`, its page and `measure` say; the plugin's surface and the result's are the same bits."""
+    written(np.resize(scene.label, (1, *shape)).astype(np.uint8), out / "label.mha")
+    case = f"{path},{truth},{out / 'label.mha'}"
     code, said = host("report", "--case", case, "--compare", "-", "--seeds", 1, "--frames", 0, "--out", out)
-    if map_ is not None:
-        written(map_[None], out / "map.mha")
-    measured = host("measure", "--case", case, "-" if map_ is None else out / "map.mha")
+    if result is not None:
+        written(result.depth[None], out / "map.mha")
+    measured = host("measure", "--case", case, "-" if result is None else out / "map.mha")
     if code == 0:
         with open(out / "compare.csv", newline="") as table:
             row = next(csv.DictReader(table))
         figures = json.JSONDecoder().raw_decode(measured[1][measured[1].index("[\n") :])[0][0]
         assert figures["e_abs"] == pytest.approx(float(row["e_abs"]), rel=1e-5)
-        assert map_ is None or figures["map_crc32"] == int(row["map_crc32"])
+        assert result is None or figures["map_crc32"] == int(row["map_crc32"])
     page = (out / "index.html").read_text() if code == 0 else said  # what is doubtful stands there, too
     return {"report": said, "measure": measured[1], "page": html.unescape(page)}
 
 
 @pytest.mark.parametrize("name", ROWS)
-def test_every_file_at_every_door(name, folder, scene, on_page, batched, tmp_path, capsys) -> None:
+def test_every_file_at_every_door(name, folder, scene, plain_mm, on_page, batched, tmp_path, capsys) -> None:
     make, words = ROWS[name]
     path = folder / name
     main(["clip", str(path), "--out", str(tmp_path), "--write", "depth"])
-    result = smartvis.clip(path) if ", OK," in (told := "".join(capsys.readouterr())) else None
+    told = "".join(capsys.readouterr())
+    maps = [read(one) for one in sorted(tmp_path.glob("*_depth.nrrd"))]
+    image = Source(path).read() if maps else None
+    result = smartvis.clip(image) if ", OK," in told else None
     doors = {
-        "run": run(path, tmp_path),
+        "clip": (told, maps[0] if maps else None),
         "batch": batched[name],
-        "clip": (told, read(tmp_path / f"{stem(path)}_depth.nrrd")),
+        "run": run(path, tmp_path / "run"),
+        "info": (host("info", path)[1], None),
     }
-    if path.suffix.lower() == ".mha":
+    if path.suffix.lower() in (".mha", ".mhd", ".vol"):
         text, drawn = on_page(name)  # in a box that holds all directions, so on another grid
         if drawn is not None:
-            turned = run(path, tmp_path, "--turnable")[1]
+            turned = run(path, tmp_path / "turned", "--turnable")[1]
             assert turned is not None and np.array_equal(drawn, turned)
         doors["console"] = (text, None)
     else:
-        assert "'smartvis clip' of the Python package" in doors.pop("run")[0]
-    if result is not None and result.spacing_known:
-        doors["serve"] = served(path)
-    if not name.startswith("deep"):
-        depth = None if result is None else result.depth
-        says = reported(path, make, scene, depth, tmp_path / "report")
-        doors |= {door: (text, None) for door, text in says.items() if "'smartvis clip' of the" not in text}
+        for door in ("run", "info"):
+            assert "'smartvis clip' of the Python package" in doors.pop(door)[0]
+    if image is not None and says_spacing(image) and name != "probe.vol":
+        doors["serve"] = served(image)
+    if not name.startswith(("deep", "probe")):
+        truth = path if name in USERS else tmp_path / f"truth{path.suffix}"
+        if truth != path:
+            make(truth, scene.truth[::2])
+        shape = image.GetSize()[1::-1] if image else scene.label.shape
+        says = reported(path, truth, scene, shape, result, tmp_path)
+        refused = ("'smartvis clip' of the", "volumes, expected one")
+        doors |= {door: (text, None) for door, text in says.items() if not any(part in text for part in refused)}
     for door, (text, depth) in doors.items():
         assert words in text, (door, text)
         assert words or "--spacing X,Y,Z" not in text, (door, text)
-        if result is not None and door not in ("report", "measure", "page", "console"):
+        if result is not None and door not in ("report", "measure", "page", "console", "info"):
             assert depth is not None and np.array_equal(depth, result.depth_mm), door
         assert result is not None or depth is None or not depth.any(), door
+    if name in USERS and not words:
+        several = {"the_enhanced_t.dcm": 3, "the_folder_enh": 3, "the_folder_time": 3, "the_supra.mhd": 3}
+        means = [float(depth.mean()) for depth in maps]
+        assert means == pytest.approx([plain_mm] * several.get(name, 1), abs=NEAR_MM)
