@@ -40,7 +40,6 @@ typedef enum {
     HS_GUARD_TIME,            /* number: on or off */
     HS_GUARD_TIMES,           /* times */
     HS_GUARD_READ_CONFIDENCE, /* confidence of the last frame, read in a [control] call */
-    HS_GUARD_SPLINE,          /* spline */
     HS_GUARD_CLOSE            /* destroy, and the end of the child */
 } hs_guard_op;
 
@@ -57,12 +56,7 @@ typedef struct {
 enum { HS_GUARD_POINTS = 1u << 0, HS_GUARD_CONFIDENCE = 1u << 1 };
 
 /* Extensions that the instance has. */
-enum {
-    HS_GUARD_HAS_TIMING = 1u << 0,
-    HS_GUARD_HAS_CONFIDENCE = 1u << 1,
-    HS_GUARD_HAS_SPLINE = 1u << 2,
-    HS_GUARD_HAS_POINTS = 1u << 3
-};
+enum { HS_GUARD_HAS_TIMING = 1u << 0, HS_GUARD_HAS_CONFIDENCE = 1u << 1, HS_GUARD_HAS_POINTS = 1u << 2 };
 
 /* A descriptor with its texts beside it: its own pointers mean nothing on the other side. */
 typedef struct {
@@ -135,7 +129,6 @@ typedef struct {
     uint32_t text_bytes;
     char text[256];
     sv_stage_times times;
-    sv_spline_report spline;
     sv_confidence_report confidence_report;
 } hs_guard_block;
 

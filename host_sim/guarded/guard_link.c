@@ -278,7 +278,7 @@ static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confide
     return SV_OK;
 }
 
-/* ------------------------------------------------------------------------------------ timing, spline -- */
+/* ------------------------------------------------------------------------------------ timing --------- */
 
 static sv_status timing_enable(const sv_plugin *plugin, uint32_t on) {
     hs_guard *guard = hs_guard_of(plugin);
@@ -294,14 +294,6 @@ static sv_status timing_stage_times(const sv_plugin *plugin, sv_stage_times *out
     return status;
 }
 
-static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
-    hs_guard *guard = hs_guard_of(plugin);
-    const sv_status status = hs_guard_ask(guard, HS_GUARD_SPLINE, guard->options.frame_s);
-    const sv_spline_report spline = guard->block->spline;
-    if (status == SV_OK) give(out, out->size, &spline, sizeof spline);
-    return status;
-}
-
 const void *hs_guarded_extension(const sv_plugin *plugin, const char *id) {
     static const sv_ext_timing timing = {
         .size = sizeof timing, .enable = timing_enable, .stage_times = timing_stage_times};
@@ -310,15 +302,13 @@ const void *hs_guarded_extension(const sv_plugin *plugin, const char *id) {
                                                  .read = confidence_read,
                                                  .offered = confidence_offered,
                                                  .write = confidence_write};
-    static const sv_ext_spline spline = {.size = sizeof spline, .report = spline_report};
     const struct {
         const char *id;
         uint32_t bit;
         const void *table;
     } known[] = {{SV_EXT_TIMING, HS_GUARD_HAS_TIMING, &timing},
                  {SV_EXT_POINTS, HS_GUARD_HAS_POINTS, &points},
-                 {SV_EXT_CONFIDENCE, HS_GUARD_HAS_CONFIDENCE, &confidence},
-                 {SV_EXT_SPLINE, HS_GUARD_HAS_SPLINE, &spline}};
+                 {SV_EXT_CONFIDENCE, HS_GUARD_HAS_CONFIDENCE, &confidence}};
     const uint32_t has = hs_guard_of(plugin)->facts.extensions;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (strcmp(id, known[i].id) == 0) return has & known[i].bit ? known[i].table : NULL;

@@ -90,7 +90,6 @@ static uint32_t find_extensions(const sv_plugin *instance) {
     const sv_ext_points *points = instance->get_extension(instance, SV_EXT_POINTS);
     return (hs_plugin_timing(instance) ? HS_GUARD_HAS_TIMING : 0u) |
            (hs_plugin_confidence(instance) ? HS_GUARD_HAS_CONFIDENCE : 0u) |
-           (hs_plugin_spline(instance) ? HS_GUARD_HAS_SPLINE : 0u) |
            (points && SV_HAS(points, write) && points->write ? HS_GUARD_HAS_POINTS : 0u);
 }
 
@@ -296,16 +295,6 @@ static sv_status read_confidence(server_state *server) {
                                          &block->confidence_report));
 }
 
-static sv_status read_spline(server_state *server) {
-    hs_guard_block *block = server->block;
-    const sv_plugin *instance = server->plugin.instance;
-    const sv_ext_spline *ext = hs_plugin_spline(instance);
-    if (!ext) return SV_ERR_STATE;
-    enter_call(server, "spline", 0, 0);
-    block->spline = (sv_spline_report){.size = sizeof block->spline};
-    return keep_reason(server, ext->report(instance, &block->spline));
-}
-
 static sv_status close_plugin(server_state *server) {
     (void)deactivate(server);
     enter_call(server, "destroy", 0, 0);
@@ -338,8 +327,6 @@ static sv_status obey(server_state *server, uint32_t op) {
         return time_stages(server, true);
     case HS_GUARD_READ_CONFIDENCE:
         return read_confidence(server);
-    case HS_GUARD_SPLINE:
-        return read_spline(server);
     case HS_GUARD_CLOSE:
         return close_plugin(server);
     default:

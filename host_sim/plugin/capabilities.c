@@ -61,11 +61,6 @@ const sv_ext_confidence *hs_plugin_confidence(const sv_plugin *instance) {
     return ext && SV_HAS(ext, write) && ext->read && ext->offered && ext->write ? ext : NULL;
 }
 
-const sv_ext_spline *hs_plugin_spline(const sv_plugin *instance) {
-    const sv_ext_spline *ext = instance->get_extension(instance, SV_EXT_SPLINE);
-    return ext && SV_HAS(ext, report) && ext->report ? ext : NULL;
-}
-
 const sv_ext_needs *hs_plugin_needs(const sv_plugin *instance) {
     const sv_ext_needs *ext = instance->get_extension(instance, SV_EXT_NEEDS);
     return ext && SV_HAS(ext, of) && ext->of ? ext : NULL;

@@ -8,7 +8,6 @@
 #include "smartvis/confidence.h"
 #include "smartvis/needs.h"
 #include "smartvis/points.h"
-#include "smartvis/spline.h"
 #include "smartvis/timing.h"
 #include "smartvis_plugin.h"
 
@@ -48,7 +47,6 @@ const char *hs_fan_name(hs_fan fan);
 /* [any] The table, or NULL if the plugin does not have it, or not whole. The plugin's, until destroy. */
 const sv_ext_timing *hs_plugin_timing(const sv_plugin *instance);
 const sv_ext_confidence *hs_plugin_confidence(const sv_plugin *instance);
-const sv_ext_spline *hs_plugin_spline(const sv_plugin *instance);
 const sv_ext_needs *hs_plugin_needs(const sv_plugin *instance);
 
 /* [control & active] Which rule of the plugin's found no surface in the last frame, or a doubtful one, in

@@ -16,13 +16,10 @@ struct hs_metaimage_stream {
     hs_error *err;
     hs_metaimage_format format;
     hs_pose pose;
-    uint64_t bytes, left;  /* of the elements, and of those what is to come */
-    uint64_t in_file;      /* what became of them */
-    bool local;            /* one .mha */
-    char *path;            /* the header's */
-    char *data_path;       /* the data file's; NULL if local */
-    const char *data_name; /* as ElementDataFile says it */
-    hs_output_file data;   /* the one .mha, or the data file */
+    uint64_t bytes, left; /* of the elements, and of those what is to come */
+    uint64_t in_file;     /* what became of them */
+    char *path;
+    hs_output_file file;
     z_stream zlib;
     bool zlib_ready;
     uint8_t room[DEFLATE_BYTES];
@@ -31,8 +28,8 @@ struct hs_metaimage_stream {
 static bool check_format(const char *path, const hs_metaimage_format *f, uint64_t *bytes, hs_error *err) {
     if ((unsigned)f->type >= HS_MET_TYPES)
         return hs_fail(err, HS_ERR_OUTPUT, "%s: ElementType %d is not known", path, (int)f->type);
-    if (f->dims < 2 || f->dims > 4)
-        return hs_fail(err, HS_ERR_OUTPUT, "%s: NDims is %" PRIu32 ", expected 2, 3 or 4", path, f->dims);
+    if (f->dims != 3 && f->dims != 4)
+        return hs_fail(err, HS_ERR_OUTPUT, "%s: NDims is %" PRIu32 ", expected 3 or 4", path, f->dims);
     *bytes = hs_met_type_bytes(f->type);
     for (uint32_t axis = 0; axis < f->dims; axis++) {
         if (f->size[axis] == 0 || *bytes > SIZE_MAX / 2 / f->size[axis])
@@ -52,28 +49,6 @@ static bool has_ending(const char *path, const char *ending) {
     return n > m && path[n - m - 1] != '/' && strcmp(path + n - m, ending) == 0;
 }
 
-/* Decides between .mha and .mhd. */
-static bool name_files(hs_metaimage_stream *s, const char *path) {
-    s->path = strdup(path);
-    s->local = has_ending(path, ".mha");
-    s->data_name = "LOCAL";
-    if (!s->path) return hs_fail(s->err, HS_ERR_MEMORY, "%s: no memory to write the file", path);
-    if (s->local) return true;
-    if (!has_ending(path, ".mhd"))
-        return hs_fail(s->err, HS_ERR_OUTPUT, "%s: the name should end in .mha or .mhd", path);
-    const size_t stem = strlen(path) - strlen(".mhd");
-    s->data_path = malloc(stem + sizeof ".zraw");
-    if (!s->data_path) return hs_fail(s->err, HS_ERR_MEMORY, "%s: no memory to write the file", path);
-    memcpy(s->data_path, path, stem);
-    strcpy(s->data_path + stem, s->format.compress ? ".zraw" : ".raw");
-    const char *slash = strrchr(s->data_path, '/');
-    s->data_name = slash ? slash + 1 : s->data_path;
-    /* Such a name would not read back as the same file. */
-    if (strpbrk(s->data_name, "\r\n%"))
-        return hs_fail(s->err, HS_ERR_OUTPUT, "%s: ElementDataFile cannot hold a line break or '%%'", path);
-    return true;
-}
-
 /* ------------------------------------------------------------------------------------------ the header -- */
 
 /* One axis' direction after the other: the columns of ours. The axis of time is apart from the others. */
@@ -82,23 +57,19 @@ static void write_pose(FILE *f, const hs_metaimage_stream *s) {
     (void)fprintf(f, "TransformMatrix =");
     for (uint32_t axis = 0; axis < dims; axis++)
         for (uint32_t k = 0; k < dims; k++) {
-            const bool spatial = dims > 2 && axis < 3 && k < 3;
+            const bool spatial = axis < 3 && k < 3;
             (void)fprintf(f, " %.17g",
                           spatial     ? s->pose.direction[k * 3 + axis] + 0.0
                           : axis == k ? 1.0
                                       : 0.0);
         }
     (void)fprintf(f, "\nOffset =");
-    for (uint32_t k = 0; k < dims; k++)
-        (void)fprintf(f, " %.17g", dims > 2 && k < 3 ? s->pose.origin[k] + 0.0 : 0.0);
+    for (uint32_t k = 0; k < dims; k++) (void)fprintf(f, " %.17g", k < 3 ? s->pose.origin[k] + 0.0 : 0.0);
     (void)fprintf(f, "\nCenterOfRotation =");
     for (uint32_t k = 0; k < dims; k++) (void)fprintf(f, " 0");
-    if (dims > 2) {
-        char letters[4] = "???";
-        if (s->pose.stated) hs_pose_letters(&s->pose, letters);
-        (void)fprintf(f, "\nAnatomicalOrientation = %s%s", letters, dims == 4 ? "?" : "");
-    }
-    (void)fprintf(f, "\n");
+    char letters[4] = "???";
+    if (s->pose.stated) hs_pose_letters(&s->pose, letters);
+    (void)fprintf(f, "\nAnatomicalOrientation = %s%s\n", letters, dims == 4 ? "?" : "");
 }
 
 static void write_fields(FILE *f, const hs_metaimage_stream *s) {
@@ -119,9 +90,9 @@ static void write_fields(FILE *f, const hs_metaimage_stream *s) {
 
 /* Writes the text. Its length does not depend on `compressed`, so that it can be written again when that is
  * known. */
-static bool write_header(hs_output_file *out, const hs_metaimage_stream *s, uint64_t compressed) {
+static bool write_header(const hs_metaimage_stream *s, uint64_t compressed) {
     const hs_metaimage_format *a = &s->format;
-    FILE *f = out->file;
+    FILE *f = s->file.file;
     (void)fprintf(f,
                   "ObjectType = Image\nNDims = %" PRIu32 "\nBinaryData = True\nBinaryDataByteOrderMSB = %s\n",
                   a->dims, __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? "True" : "False");
@@ -138,22 +109,26 @@ static bool write_header(hs_output_file *out, const hs_metaimage_stream *s, uint
     for (uint32_t axis = 0; axis < a->dims; axis++) (void)fprintf(f, " %" PRIu32, a->size[axis]);
     (void)fprintf(f, "\n");
     if (a->dims == 4) write_fields(f, s);
-    (void)fprintf(f, "ElementType = %s\nElementDataFile = %s\n", hs_met_type_name(a->type), s->data_name);
+    (void)fprintf(f, "ElementType = %s\nElementDataFile = LOCAL\n", hs_met_type_name(a->type));
     return !ferror(f) ||
-           hs_fail(s->err, HS_ERR_OUTPUT, "%s: the header cannot be written: %s", out->path, strerror(errno));
+           hs_fail(s->err, HS_ERR_OUTPUT, "%s: the header cannot be written: %s", s->path, strerror(errno));
 }
 
 /* -------------------------------------------------------------------------------------------- the data -- */
 
 static bool start(hs_metaimage_stream *s, const char *path) {
-    if (!check_format(path, &s->format, &s->bytes, s->err) || !name_files(s, path)) return false;
+    if (!check_format(path, &s->format, &s->bytes, s->err)) return false;
+    if (!has_ending(path, ".mha"))
+        return hs_fail(s->err, HS_ERR_OUTPUT, "%s: the name should end in .mha", path);
+    s->path = strdup(path);
     s->left = s->bytes;
-    if (!hs_output_open(&s->data, s->local ? s->path : s->data_path, s->err)) return false;
+    if (!s->path) return hs_fail(s->err, HS_ERR_MEMORY, "%s: no memory to write the file", path);
+    if (!hs_output_open(&s->file, path, s->err)) return false;
     if (s->format.compress) {
         s->zlib_ready = deflateInit(&s->zlib, Z_DEFAULT_COMPRESSION) == Z_OK;
         if (!s->zlib_ready) return hs_fail(s->err, HS_ERR_MEMORY, "%s: no memory for zlib", path);
     }
-    return !s->local || write_header(&s->data, s, 0);
+    return write_header(s, 0);
 }
 
 hs_metaimage_stream *hs_metaimage_stream_open(const char *path, const hs_metaimage_format *format,
@@ -183,7 +158,7 @@ static bool deflate_all(hs_metaimage_stream *s, int flush) {
         if (code == Z_STREAM_ERROR)
             return hs_fail(s->err, HS_ERR_OUTPUT, "%s: zlib: %s", s->path, zError(code));
         const size_t made = DEFLATE_BYTES - s->zlib.avail_out;
-        if (!hs_output_write(&s->data, s->room, made, s->err)) return false;
+        if (!hs_output_write(&s->file, s->room, made, s->err)) return false;
         s->in_file += made;
     } while (s->zlib.avail_out == 0 || (flush == Z_FINISH && code != Z_STREAM_END));
     return true;
@@ -196,7 +171,7 @@ bool hs_metaimage_stream_write(hs_metaimage_stream *s, const void *data, uint64_
     s->left -= bytes;
     if (!s->format.compress) {
         s->in_file += bytes;
-        return hs_output_write(&s->data, data, (size_t)bytes, s->err);
+        return hs_output_write(&s->file, data, (size_t)bytes, s->err);
     }
     for (const uint8_t *at = data; bytes > 0;) {
         const uint64_t n = bytes < (1u << 30) ? bytes : 1u << 30; /* zlib counts in 32 bit */
@@ -209,30 +184,21 @@ bool hs_metaimage_stream_write(hs_metaimage_stream *s, const void *data, uint64_
     return true;
 }
 
-/* One .mha: the compressed size is known only now, so its text is written again. */
-static bool finish_local(hs_metaimage_stream *s) {
+/* The compressed size is known only now, so the text is written again. */
+static bool finish(hs_metaimage_stream *s) {
     if (s->format.compress) {
-        rewind(s->data.file);
-        if (!write_header(&s->data, s, s->in_file)) return false;
+        if (!deflate_all(s, Z_FINISH)) return false;
+        rewind(s->file.file);
+        if (!write_header(s, s->in_file)) return false;
     }
-    return hs_output_commit(&s->data, s->err);
-}
-
-static bool finish_pair(hs_metaimage_stream *s) {
-    hs_output_file header;
-    if (!hs_output_open(&header, s->path, s->err)) return false;
-    if (write_header(&header, s, s->in_file) && hs_output_commit(&s->data, s->err))
-        return hs_output_commit(&header, s->err);
-    hs_output_discard(&header);
-    return false;
+    return hs_output_commit(&s->file, s->err);
 }
 
 bool hs_metaimage_stream_close(hs_metaimage_stream *s) {
     bool ok =
         s->left == 0 || hs_fail(s->err, HS_ERR_OUTPUT, "%s: %" PRIu64 " of %" PRIu64 " bytes are missing",
                                 s->path, s->left, s->bytes);
-    ok = ok && (!s->format.compress || deflate_all(s, Z_FINISH)) &&
-         (s->local ? finish_local(s) : finish_pair(s));
+    ok = ok && finish(s);
     hs_metaimage_stream_discard(s);
     return ok;
 }
@@ -240,9 +206,8 @@ bool hs_metaimage_stream_close(hs_metaimage_stream *s) {
 void hs_metaimage_stream_discard(hs_metaimage_stream *s) {
     if (!s) return;
     if (s->zlib_ready) (void)deflateEnd(&s->zlib);
-    hs_output_discard(&s->data);
+    hs_output_discard(&s->file);
     free(s->path);
-    free(s->data_path);
     free(s);
 }
 

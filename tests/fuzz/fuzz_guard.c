@@ -35,7 +35,7 @@ static void fill_facts(hs_guard_facts *f) {
     f->plugin_count = 2;
     f->chosen = 1;
     f->param_count = PARAMS;
-    f->extensions = HS_GUARD_HAS_TIMING | HS_GUARD_HAS_CONFIDENCE | HS_GUARD_HAS_SPLINE | HS_GUARD_HAS_POINTS;
+    f->extensions = HS_GUARD_HAS_TIMING | HS_GUARD_HAS_CONFIDENCE | HS_GUARD_HAS_POINTS;
     for (int i = 0; i < 2; i++) {
         (void)snprintf(f->plugin[i].id, sizeof f->plugin[i].id, "org.smartvis.fuzz.%d", i);
         f->plugin[i].extension_count = 1;
@@ -216,7 +216,6 @@ static void ask_extensions(const hs_plugin *plugin) {
     float map[PIXELS];
     sv_points_report points = {.size = sizeof points};
     sv_stage_times times = {.size = sizeof times};
-    sv_spline_report spline = {.size = sizeof spline};
     sv_confidence_report report = {.size = sizeof report};
     const sv_ext_confidence *confidence = hs_plugin_confidence(p);
     const sv_ext_timing *timing = hs_plugin_timing(p);
@@ -227,8 +226,7 @@ static void ask_extensions(const hs_plugin *plugin) {
         (void)confidence->read(p, map, &report);
     }
     if (timing) (void)(timing->enable(p, 1) + timing->stage_times(p, &times));
-    if (hs_plugin_spline(p)) (void)hs_plugin_spline(p)->report(p, &spline);
-    FUZZ_HOLDS(times.size == sizeof times && spline.size == sizeof spline && report.size == sizeof report);
+    FUZZ_HOLDS(times.size == sizeof times && report.size == sizeof report);
 }
 
 static void activate(const hs_plugin *plugin) {

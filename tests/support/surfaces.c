@@ -114,7 +114,7 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
     if (status != SV_OK) return status;
     status = rig_frame(r, t, values, sizeof values / sizeof *values, out);
     if (status >= 0 && report && chain->method == SV_METHOD_SPLINE) {
-        const sv_ext_spline *spline = hs_plugin_spline(r->plugin);
+        const sv_ext_spline *spline = r->plugin->get_extension(r->plugin, SV_EXT_SPLINE);
         *report = (sv_spline_report){.size = sizeof *report};
         const sv_status read = spline->report(r->plugin, report);
         if (read != SV_OK) status = read;

@@ -4,6 +4,7 @@
 #ifndef SV_SURFACES_H
 #define SV_SURFACES_H
 
+#include "smartvis/spline.h"
 #include "support/rig.h"
 
 #include "method_list.h"

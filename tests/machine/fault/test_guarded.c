@@ -160,15 +160,15 @@ static void extensions_reach_through(void **state) {
     assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
     assert_int_equal(result.failed_frames, 0);
     assert_true(result.has_plugin_stages && result.plugin_stages.profile_ms > 0);
-    const sv_ext_spline *spline = hs_plugin_spline(plugin.instance);
-    assert_non_null(spline);
-    sv_spline_report report = {.size = sizeof report};
-    assert_int_equal(spline->report(plugin.instance, &report), SV_OK);
-    assert_true(report.points > 0 && report.size == sizeof report);
+    const sv_ext_timing *timing = hs_plugin_timing(plugin.instance);
+    hs_frame frame;
+    assert_int_equal(timing->enable(plugin.instance, 1), SV_OK);
+    assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, &err));
     /* A report of an older host is filled no further than its size. */
-    report = (sv_spline_report){.size = 8, .rank = 77};
-    assert_int_equal(spline->report(plugin.instance, &report), SV_OK);
-    assert_true(report.points > 0 && report.rank == 77 && report.size == 8);
+    const uint32_t older = offsetof(sv_stage_times, threshold_ms);
+    sv_stage_times times = {.size = older, .threshold_ms = -7};
+    assert_int_equal(timing->stage_times(plugin.instance, &times), SV_OK);
+    assert_true(times.profile_ms > 0 && times.threshold_ms < -6 && times.size == older);
     const sv_ext_confidence *confidence = hs_plugin_confidence(plugin.instance);
     assert_true(confidence && !confidence->offered(plugin.instance));
     assert_null(plugin.instance->get_extension(plugin.instance, "nobody/1"));

@@ -13,35 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define BINS      16 /* of 16 grey levels each */
-#define BAR_WIDTH 50 /* characters of the longest bar */
-
-/* Counts of all grey levels; [0] are the unscanned voxels. */
-static void count_levels(const hs_volume *volume, size_t levels[256]) {
-    memset(levels, 0, 256 * sizeof *levels);
-    const size_t count = hs_volume_count(volume);
-    for (size_t i = 0; i < count; i++) levels[volume->voxels[i]]++;
-}
-
-/* Shows scanned voxels alone: the unscanned ones would dwarf every bar. */
-static void print_histogram(const size_t levels[256]) {
-    size_t bins[BINS] = {0}, highest = 1, scanned = 0;
-    for (int level = 1; level < 256; level++) {
-        bins[level * BINS / 256] += levels[level];
-        scanned += levels[level];
-    }
-    for (int b = 0; b < BINS; b++) highest = bins[b] > highest ? bins[b] : highest;
-    (void)printf("  grey levels of the scanned voxels:\n");
-    for (int b = 0; b < BINS; b++) {
-        const int first = b == 0 ? 1 : b * 256 / BINS;
-        const int length = (int)((double)bins[b] / (double)highest * BAR_WIDTH + 0.5);
-        (void)printf("  %3d .. %3d %6.2f %% ", first, (b + 1) * 256 / BINS - 1,
-                     scanned ? 100.0 * (double)bins[b] / (double)scanned : 0.0);
-        for (int i = 0; i < length; i++) (void)putchar('#');
-        (void)putchar('\n');
-    }
-}
-
 static void print_pose(const hs_volume *v) {
     char words[200], letters[4];
     hs_pose_words(&v->pose, words, sizeof words);
@@ -71,14 +42,13 @@ static void print_course(const hs_volume *v) {
 /* `from`: how values became levels; NULL: they always were. */
 static void print_volume(const hs_volume *v, const hs_levels *from) {
     char size[HS_SIZE_BYTES], doubt[HS_DOUBT_BYTES], outside[80] = "";
-    size_t levels[256];
-    int low = 255, high = 0;
-    count_levels(v, levels);
-    for (int level = 1; level < 256; level++)
-        if (levels[level] > 0) {
-            low = level < low ? level : low;
-            high = level;
-        }
+    const size_t count = hs_volume_count(v);
+    uint8_t low = 255, high = 0;
+    for (size_t i = 0; i < count; i++) {
+        const uint8_t level = v->voxels[i];
+        if (level > 0 && level < low) low = level;
+        if (level > high) high = level;
+    }
     hs_volume_size_words(v, size);
     hs_print(stdout, "  %s\n", size);
     if (hs_volume_doubt(v, doubt)) hs_print(stdout, "  %s\n", doubt);
@@ -90,7 +60,6 @@ static void print_volume(const hs_volume *v, const hs_levels *from) {
         (void)printf("; the others hold %d .. %d\n", low, high);
     else
         (void)printf("\n");
-    print_histogram(levels);
 }
 
 #define DEGREES 57.29577951308232
@@ -220,7 +189,7 @@ static void print_help(void) {
     (void)printf(
         "Usage: host_sim info [options] FILE...\n"
         "Prints what MetaImage and Kretz volumes (also in DICOM) are: size, spacing, how they lie in\n"
-        "the patient, the share of unscanned voxels, a histogram; of a sequence, how many volumes\n"
+        "the patient, the share of unscanned voxels; of a sequence, how many volumes\n"
         "there are, and this of the first one; of a probe its geometry. Nothing that names a person\n"
         "is printed.\n"
         "\n");
