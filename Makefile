@@ -152,7 +152,7 @@ oclgrind: # every method on a small frame in a simulated device that sees wrong 
 	@$(call build,build,,every_method smartvis)
 	@scripts/oclgrind.sh build $(JOBS) $(OUT)/oclgrind
 
-lint: # format, house rules, links, floors, clang warnings, clang-tidy, kernels, ruff and mypy
+lint: # format, house rules, links, floors, clang warnings, clang-tidy, kernels, ruff and mypy; ANALYZER=deep before a release
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON,embedded)
 	@scripts/lint.sh build-clang $(JOBS)

@@ -1,6 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# lint.sh BUILD_FOLDER JOBS: everything that reads the sources without running them. BUILD_FOLDER is configured for clang, with
+# lint.sh BUILD_FOLDER JOBS: everything that reads the sources without running them. ANALYZER=deep: clang's analyzer follows many more
+# paths, for some twenty minutes of processor time; before a release. BUILD_FOLDER is configured for clang, with
 # compile_commands.json, and has its target embedded. Runs all checks, then ends with 1 if any of them failed.
 set -u
 cd "$(dirname "$0")/.."
@@ -26,9 +27,11 @@ format() { scripts/list_sources.sh c h hpp cpp cl clh | xargs -r clang-format --
 
 # Every file that the build compiles, with clang's own warnings. One file a process: clang-tidy's own script would need Python.
 tidy() {
+    local depth=() word
+    [ "${ANALYZER:-}" = deep ] || for word in -Xclang -analyzer-config -Xclang mode=shallow; do depth+=("--extra-arg=$word"); done
     scripts/list_sources.sh c | while read -r file; do
         if grep -qF "\"$PWD/$file\"" "$build/compile_commands.json"; then echo "$file"; fi
-    done | xargs -r -P "$jobs" -n 1 clang-tidy --quiet -p "$build" 2> "$build/clang-tidy.log"
+    done | xargs -r -P "$jobs" -n 1 clang-tidy --quiet "${depth[@]}" -p "$build" 2> "$build/clang-tidy.log"
     local code=$?
     # Without the count of findings suppressed in system headers, which goes to stderr for every file.
     grep -vE '^[0-9]+ warnings? (treated as errors|generated)|^Suppressed|^Use -header-filter' "$build/clang-tidy.log" >&2
