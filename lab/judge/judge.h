@@ -291,6 +291,50 @@ bool site_table(const site_list *list, const site_methods *methods, hs_error *er
 bool site_scans(const site_list *list, const char *const *volumes, uint32_t count,
                 const site_methods *methods, hs_error *err);
 
+/* -------------------------------------------------------------------------------------------- marks -- */
+/* A user who knows the truth puts marks on the largest wrong regions, as the console's brush does. Each is
+ * the best of twelve: on one of the three largest regions, of 3, 5, 8 or 12 mm; none if all are worse. */
+
+/* Where a ray may be clipped, mm from the first slice: low .. high was scanned, near .. far is right. high 0:
+ * it is not judged. */
+typedef struct {
+    double low, near, far, high;
+} scan_ray;
+
+/* How much is left (> 0) or cut (< 0) of a ray that is clipped at a depth of so many mm. */
+double site_scan_off(const scan_ray *ray, double depth);
+
+/* What the user looks at: a volume as a camera sees it, with either kind of truth. Square maps. */
+typedef struct {
+    hs_volume volume;
+    hs_camera camera;
+    uint32_t n[3];
+    const wall_case *c; /* NULL: */
+    const scan_ray *rays;
+} site_play;
+
+enum { MARK_ROWS = 4 };
+extern const uint32_t mark_rows[MARK_ROWS]; /* after 0, 1, 3 and 6 marks */
+
+/* Error in slices of 128, of scans in mm; shares of rays that are more than 2 of them off. */
+typedef struct {
+    double error, cut, left;
+} mark_score;
+
+/* Zeroed: none yet. */
+typedef struct {
+    mark_score sum[MARK_ROWS];
+    uint32_t count;
+} mark_scores;
+
+/* Plays from a depthmap on, and adds the scores. A map that does not clip has no marks. HS_ERR_MEMORY. */
+bool site_play_marks(const site_play *play, const float *depth, bool clips, mark_scores *to, hs_error *err);
+void site_print_marks(const char *what, const char *unit, const mark_scores *scores);
+
+/* Prints the means of every set; and of volumes with labels, from nine views up to 20 degrees. */
+bool site_marks(const site_list *list, const char *const *volumes, uint32_t count,
+                const site_methods *methods, hs_error *err);
+
 /* -------------------------------------------------------------------------------------------- variants -- */
 /* Volumes on which clipping can only do harm, made from cases of a site and from volumes without a truth. */
 

@@ -45,12 +45,6 @@ enum { NOT_SCANNED, TISSUE, FLUID, FETUS, CORD, BEHIND, DOUBTFUL };
 /* mm along a ray from voxel to voxel of labels; what is clipped may be so much off; shorter fluid is none. */
 static const double step_mm = 0.25, bad_mm = 2.0, pocket_mm = 2.0;
 
-/* Where a ray may be clipped, mm from the first slice: low .. high was scanned, near .. far is right. high 0:
- * it is not judged. */
-typedef struct {
-    double low, near, far, high;
-} scan_ray;
-
 /* Over the rays that should end on the fetus. */
 typedef struct {
     double rays, cut, left, mm;
@@ -89,8 +83,7 @@ static scan_ray ray_of(const uint8_t *label, uint32_t steps) {
 
 static void judge_ray(const scan_ray *ray, double depth, ray_counts *out) {
     if (ray->high <= 0.0) return;
-    const double at = fmin(fmax(depth, ray->low), ray->high);
-    const double off = fmax(ray->near - at, 0.0) - fmax(at - ray->far, 0.0); /* > 0: left, < 0: cut */
+    const double off = site_scan_off(ray, depth);
     out->rays++;
     out->cut += off < -bad_mm;
     out->left += off > bad_mm;
@@ -135,7 +128,13 @@ static const int user_views[][2] = {{0, 0},   {10, 0},   {-10, 10},  {20, 0}, {-
                                     {0, -20}, {20, 20},  {-20, -20}, {30, 0}, {-30, 0}, {0, 30},
                                     {0, -30}, {30, -30}, {-30, 30},  {40, 0}, {-40, 0}, {0, 40},
                                     {0, -40}, {50, 0},   {-50, 0},   {0, 50}, {0, -50}};
-enum { USER_VIEWS = sizeof user_views / sizeof *user_views, AROUND = 54, ORBIT = 200, BANDS = 3 };
+enum {
+    USER_VIEWS = sizeof user_views / sizeof *user_views,
+    NEAR_VIEWS = 9,
+    AROUND = 54,
+    ORBIT = 200,
+    BANDS = 3
+};
 static const int band_to[BANDS] = {20, 40, 50}; /* degrees */
 
 /* A volume at work. */
@@ -166,23 +165,25 @@ static hs_loop *make_loop(scan *s, double yaw, double pitch, bool turnable, hs_e
     return hs_loop_create(&s->cl, &s->source, &s->session.plugin, &o, err);
 }
 
-static bool judge_map(const scan *s, const hs_loop *loop, const float *map, ray_counts *counts,
-                      hs_error *err) {
+/* Judges a map, or (`marks` not NULL) plays on from it. */
+static bool judge_map(const scan *s, const hs_loop *loop, const hs_frame *frame, const float *map,
+                      ray_counts *counts, mark_scores *marks, hs_error *err) {
     const hs_slab_layout *l = hs_loop_layout(loop);
-    hs_camera camera;
-    hs_loop_camera(loop, 0, &camera);
-    scan_ray *const rays =
-        rays_of(&s->labels, &camera, (const uint32_t[3]){l->width, l->height, l->slices}, err);
+    site_play play = {.volume = *s->source.file, .n = {l->width, l->height, l->slices}};
+    hs_loop_camera(loop, 0, &play.camera);
+    scan_ray *const rays = rays_of(&s->labels, &play.camera, play.n, err);
     if (!rays) return false;
-    const double slice = camera.depth_extent / l->slices;
+    play.rays = rays;
+    const double slice = play.camera.depth_extent / l->slices;
     for (uint32_t i = 0; i < l->width * l->height; i++) judge_ray(&rays[i], (double)map[i] * slice, counts);
+    const bool ok = !marks || site_play_marks(&play, map, frame->clipped, marks, err);
     free(rays);
-    return true;
+    return ok;
 }
 
 /* The first frame of a new activation. */
 static bool look(scan *s, const int view[2], uint32_t answers[SURF_ANSWERS], ray_counts *counts,
-                 hs_error *err) {
+                 mark_scores *marks, hs_error *err) {
     hs_frame frame;
     hs_loop *const loop = make_loop(s, view[0], view[1], false, err);
     if (!loop) return false;
@@ -190,7 +191,7 @@ static bool look(scan *s, const int view[2], uint32_t answers[SURF_ANSWERS], ray
     float *const map = malloc((size_t)l->width * l->height * sizeof *map);
     bool ok = map || hs_fail(err, HS_ERR_MEMORY, "no memory for a map");
     ok = ok && hs_loop_convert(loop, 0, err) && hs_loop_clip(loop, 0, &frame, map, err) &&
-         (!s->labels.voxels || judge_map(s, loop, map, counts, err));
+         (!s->labels.voxels || judge_map(s, loop, &frame, map, counts, marks, err));
     if (ok) answers[answer_of(s, &frame)]++;
     free(map);
     hs_loop_destroy(loop);
@@ -237,7 +238,7 @@ static bool print_user(scan *s, surf_told told, hs_error *err) {
                 abs(user_views[i][0]) > abs(user_views[i][1]) ? abs(user_views[i][0]) : abs(user_views[i][1]);
             ray_counts c = {0};
             if (turn <= from || turn > band_to[band]) continue;
-            if (!look(s, user_views[i], answers, &c, err)) return false;
+            if (!look(s, user_views[i], answers, &c, NULL, err)) return false;
             const double rays = fmax(c.rays, 1.0);
             views++;
             sum.cut += c.cut / rays;
@@ -259,10 +260,21 @@ static bool print_around(scan *s, surf_told told, hs_error *err) {
     uint32_t answers[SURF_ANSWERS] = {0};
     for (int i = 0; i < AROUND; i++) {
         const int view[2] = {20 * (i % 18), 30 * (i / 18 - 1)};
-        if (!look(s, view, answers, NULL, err)) return false;
+        if (!look(s, view, answers, NULL, NULL, err)) return false;
     }
     print_answers("all around", told, answers);
     printf("  nothing hides it\n");
+    return true;
+}
+
+static bool print_marked(scan *s, hs_error *err) {
+    mark_scores marks = {0};
+    for (int i = 0; i < NEAR_VIEWS; i++) {
+        uint32_t answers[SURF_ANSWERS] = {0};
+        ray_counts counts = {0};
+        if (!look(s, user_views[i], answers, &counts, &marks, err)) return false;
+    }
+    site_print_marks(s->source.file->name, "mm", &marks);
     return true;
 }
 
@@ -273,7 +285,7 @@ static void tell(hs_volume *v, const hs_volume *known, surf_told told) {
     if (told != SURF_NOTHING) memcpy(v->probe_turn, known->probe_turn, sizeof v->probe_turn);
 }
 
-static bool print_scan(scan *s, const char *path, hs_error *err) {
+static bool print_scan(scan *s, const char *path, bool marked, hs_error *err) {
     static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
     char labels[1024];
     const size_t stem = strlen(path) - (strlen(path) > 4 ? 4 : 0);
@@ -282,6 +294,9 @@ static bool print_scan(scan *s, const char *path, hs_error *err) {
     if (!s->source.file) return hs_fail(err, HS_ERR_INPUT, "%s: a sequence, expected one volume", path);
     if (access(labels, F_OK) == 0 && !hs_metaimage_read(labels, &as_it_is, &s->labels, err)) return false;
     const hs_volume known = *s->source.file;
+    if (marked)
+        return s->labels.voxels ? print_marked(s, err)
+                                : hs_fail(err, HS_ERR_INPUT, "%s: there is none", labels);
     printf("%s\n", known.name);
     bool ok = true;
     for (int told = SURF_BEAMS; ok && told >= SURF_NOTHING; told--) {
@@ -293,12 +308,12 @@ static bool print_scan(scan *s, const char *path, hs_error *err) {
 }
 
 static bool print_volumes(const char *const *volumes, uint32_t count, const char *plugin,
-                          const site_method *m, hs_error *err) {
+                          const site_method *m, bool marked, hs_error *err) {
     scan s = {0};
     bool ok = hs_cl_open(&s.cl, err) && surf_session_open(&s.session, plugin, m->settings, err);
-    if (ok) printf("%s\n", m->settings);
+    if (ok && !marked) printf("%s\n", m->settings);
     for (uint32_t i = 0; ok && i < count; i++) {
-        ok = print_scan(&s, volumes[i], err);
+        ok = print_scan(&s, volumes[i], marked, err);
         hs_source_close(&s.source);
         hs_volume_free(&s.labels);
     }
@@ -320,6 +335,43 @@ bool site_scans(const site_list *list, const char *const *volumes, uint32_t coun
                 ok = print_set(&list->set[i], methods->plugin, &methods->method[m], (surf_told)told, err);
     }
     for (uint32_t m = 0; ok && count > 0 && m < methods->count; m++)
-        ok = print_volumes(volumes, count, methods->plugin, &methods->method[m], err);
+        ok = print_volumes(volumes, count, methods->plugin, &methods->method[m], false, err);
+    return ok;
+}
+
+static bool print_set_marked(const site_set *set, const char *plugin, const site_method *m, hs_error *err) {
+    surf_session s;
+    mark_scores marks = {0};
+    if (!surf_session_open(&s, plugin, m->settings, err)) return false;
+    s.told = SURF_BEAMS;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < set->count; i++) {
+        const wall_case *c = &set->cases[i];
+        site_play play = {.n = {c->nx, c->ny, c->nz}, .c = c};
+        play.volume = (hs_volume){.nx = c->nx, .ny = c->ny, .nz = c->nz, .voxels = c->full};
+        memcpy(play.volume.spacing, c->spacing_mm, sizeof play.volume.spacing);
+        hs_camera_look(&play.camera, &play.volume, 0.0, 0.0);
+        ok = (c->nx == c->ny || hs_fail(err, HS_ERR_INPUT, "%s: its map is not square", c->name)) &&
+             surf_session_frame(&s, c, err) &&
+             site_play_marks(&play, s.depth, surf_session_clips(&s), &marks, err);
+    }
+    surf_session_close(&s);
+    if (ok) site_print_marks(set->title, "slices", &marks);
+    return ok;
+}
+
+bool site_marks(const site_list *list, const char *const *volumes, uint32_t count,
+                const site_methods *methods, hs_error *err) {
+    bool ok = true;
+    printf("Cases or views; error / cut %% / left %% after");
+    for (int i = 0; i < MARK_ROWS; i++) printf("%s %u", i ? "," : "", mark_rows[i]);
+    printf(" marks\n");
+    for (uint32_t m = 0; ok && m < methods->count; m++) {
+        printf("%s\n", methods->method[m].settings);
+        for (uint32_t i = 0; ok && i < list->count; i++)
+            ok = print_set_marked(&list->set[i], methods->plugin, &methods->method[m], err);
+        ok = ok &&
+             (count == 0 || print_volumes(volumes, count, methods->plugin, &methods->method[m], true, err));
+    }
     return ok;
 }

@@ -24,6 +24,11 @@ static void judge_interval(const wall_case *c, size_t i, float depth, uint64_t *
     *shallow += depth < c->near[i] - tolerance;
 }
 
+double site_scan_off(const scan_ray *ray, double depth) {
+    const double at = fmin(fmax(depth, ray->low), ray->high);
+    return fmax(ray->near - at, 0.0) - fmax(at - ray->far, 0.0);
+}
+
 static double known(float measure) {
     return isnan(measure) ? 0.0 : (double)measure;
 }

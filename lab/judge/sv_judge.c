@@ -22,6 +22,10 @@ static bool judge_scans(judge_request *r, hs_error *err) {
     return site_scans(&r->sites, r->volumes, r->volume_count, &r->methods, err);
 }
 
+static bool judge_marks(judge_request *r, hs_error *err) {
+    return site_marks(&r->sites, r->volumes, r->volume_count, &r->methods, err);
+}
+
 static bool judge_flicker(judge_request *r, hs_error *err) {
     return site_flicker(&r->sites, &r->methods, err);
 }
@@ -39,6 +43,8 @@ static const struct command {
     {"scans", judge_scans, false,
      "verdict, error, cut, left of every set and of volumes from all sides, with beams told, the pose alone, "
      "nothing"},
+    {"marks", judge_marks, false,
+     "error, cut, left after 0, 1, 3 and 6 marks of a user who knows the truth; volumes from nine views"},
     {"flicker", judge_flicker, false,
      "what the renderings of four moving scenes, or of the frames given by --case, flicker beyond the "
      "truth's"},
@@ -125,7 +131,7 @@ static const hs_option options[] = {
     {"case", "FILES", "FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all are one site\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_case},
     {"volume", "FILE",
-     "harm, scans: a volume that nothing hides, MetaImage; scans: one with FILE_label.mha "
+     "harm, scans: a volume that nothing hides, MetaImage; scans, marks: one with FILE_label.mha "
      "beside it;\nwall: its verdict\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_volume},
     {"method", "SETTINGS",
@@ -176,7 +182,7 @@ static bool parse(int argc, char **argv, judge_request *r, hs_error *err) {
     if (r->help) return true;
     if (next + 1 != argc) return hs_fail(err, HS_ERR_USAGE, "expected one command, %d given", argc - next);
     if (!find_command(argv[next], r, err)) return false;
-    if (r->methods.count == 0 && r->command->run == judge_scans)
+    if (r->methods.count == 0 && (r->command->run == judge_scans || r->command->run == judge_marks))
         r->methods.method[r->methods.count++] = (site_method){.settings = "method=wall"};
     if (r->methods.count == 0) r->methods = site_methods_default(r->methods.plugin);
     return r->sites.count > 0 || !r->command->needs_cases || site_add_scenes(&r->sites, "201,0", err);

@@ -69,6 +69,17 @@ code 0 scans --volume "$full" --method 'method=mean evidence=1 min_gap=64'
 holds [ "$(grep -c '^  to 20 degrees .* 0 / *0 / *9 .* cut *0.00 % .* worst 100.0$' "$work/stdout")" -eq 3 ]
 holds [ "$(grep -c '^  orbit .* changes 0 times' "$work/stdout")" -eq 3 ]
 
+# --- marks: without one the error is that of `scans`; it falls and never grows; where nothing is clipped there are none
+code 0 marks --volume "$full" --method 'method=mean evidence=1 min_gap=64'
+holds grep -qE ' 9 +([0-9.]+ .*[1-9])  [|] +\1  [|] +\1  [|] +\1  mm$' "$work/stdout"
+rm "${full%.mha}_label.mha"
+code 3 marks --volume "$full"
+code 0 scans --case "$case"
+expected=$(sed -n 's/^  method=wall *beams .* \([0-9.]*\) slices .*/\1/p' "$work/stdout")
+code 0 marks --case "$case"
+holds awk -v expected="$expected" '/ slices$/ { gsub(/[|\/]/, " "); e = $(NF - 12); a = $(NF - 9); b = $(NF - 6); c = $(NF - 3)
+    exit !(expected != "" && e - expected < 0.02 && expected - e < 0.02 && a < e && b <= a && c <= b) }' "$work/stdout"
+
 # --- a folder and files are two sites
 small=$(export_scene D01 32)
 IFS=, read -r full truth label <<< "$small"
