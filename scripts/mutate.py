@@ -45,7 +45,7 @@ TESTS = [
     (r"host_sim/scene", r"test_scene|test_handover|replay_scene|golden/test_scenes"),
     (r"host_sim/render", r"test_(dvr|lit|scan|camera|host_launch|loop)"),
     (r"host_sim/(guard|guarded|plugin)", r"test_(child|guarded|loader|loop)"),
-    (r"host_sim/loop", r"test_(loop|files|kretz_loop|metaimage_loop|confidence|slices)|golden/"),
+    (r"host_sim/loop", r"test_(loop|files|metaimage_loop|confidence|slices)|golden/"),
     (r"host_sim/(picture|result)|tools/machine/show", r"test_(picture|slices|result|loop)|golden/"),
     (r"host_sim|tools/machine", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),
 ]  # fmt: skip

@@ -4,10 +4,7 @@
 #include "support/metaimage_files.h"
 #include "volume/metaimage_write.h"
 
-#include <limits.h>
 #include <math.h>
-#include <sys/stat.h>
-#include <zlib.h>
 
 enum { NX = 5, NY = 4, NZ = 3, COUNT = NX * NY * NZ };
 
@@ -249,41 +246,9 @@ static void large_volumes_cross_the_readers_buffers(void **state) {
         assert_int_equal(volume.voxels[i], (values[i] + 128) / 257); /* 65535 / 255 = 257 */
 }
 
-/* The real scans, where they are at hand: sizes as their headers say, bytes as an
- * independent zlib (Python's) has them. */
-static void real_volumes(void **state) {
-    static const struct {
-        const char *name;
-        uint32_t nx, ny, nz;
-        unsigned long crc;
-    } scans[] = {{"fetal_head_21w.mha", 211, 232, 153, 0x3c7db7fc},
-                 {"fetal_head_23w.mha", 211, 232, 153, 0xa076cfa8},
-                 {"spine_phantom.mha", 147, 106, 104, 0x7812100c}};
-    const char *source = getenv("SV_SOURCE_DIR");
-    int found = 0;
-    for (size_t i = 0; i < 3; i++) {
-        char path[PATH_MAX];
-        struct stat status;
-        (void)snprintf(path, sizeof path, "%s/../shared/data/%s", source ? source : ".", scans[i].name);
-        if (stat(path, &status) != 0) continue;
-        found++;
-        const hs_metaimage_options as_stored = {.padding = HS_PADDING_ALL};
-        hs_error err = {0};
-        hs_volume volume;
-        if (!hs_metaimage_read(path, &as_stored, &volume, &err)) fail_msg("%s", err.text);
-        assert_int_equal(volume.nx, scans[i].nx);
-        assert_int_equal(volume.ny, scans[i].ny);
-        assert_int_equal(volume.nz, scans[i].nz);
-        assert_string_equal(volume.name, scans[i].name);
-        assert_int_equal(crc32(0, volume.voxels, (uInt)hs_volume_count(&volume)), scans[i].crc);
-        hs_volume_free(&volume);
-    }
-    if (found == 0) skip();
-}
-
 UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(every_type_order_and_carrier),
           cmocka_unit_test(padding_decides_what_a_zero_is), cmocka_unit_test(a_window_maps_and_clamps),
           cmocka_unit_test(a_window_that_is_none_is_refused),
           cmocka_unit_test(the_text_may_be_written_in_many_ways),
           cmocka_unit_test(header_size_skips_bytes_of_the_data_file),
-          cmocka_unit_test(large_volumes_cross_the_readers_buffers), cmocka_unit_test(real_volumes))
+          cmocka_unit_test(large_volumes_cross_the_readers_buffers))

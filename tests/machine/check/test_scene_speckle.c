@@ -105,27 +105,5 @@ static void interfaces_keep_their_level(void **state) {
     assert_near(level_db(f->envelope[middle + hs_field_slice(f)]), -16.79, 0.1);
 }
 
-static void follows_the_seed_only(void **state) {
-    hs_scene_spec spec;
-    int16_t *first = NULL;
-    empty_spec(&spec);
-    spec.speckle = (hs_speckle_spec){true, 0.4f, 0.8f, 24.0f, 30.0f};
-    for (uint32_t threads = 1; threads <= 7; threads += 3) {
-        hs_field *f = one_tissue_field(64, 0.5f, HS_TISSUE_SOFT);
-        f->threads = threads;
-        memset(f->diffuse, 0, (size_t)64 * 64 * 64 * sizeof *f->diffuse);
-        hs_scene_speckle(f, &spec);
-        assert_false(atomic_load(&f->out_of_memory));
-        if (!first) {
-            first = f->envelope;
-            f->envelope = NULL;
-        } else {
-            assert_memory_equal(first, f->envelope, (size_t)64 * 64 * 64 * sizeof *first);
-        }
-    }
-    free(first);
-}
-
 UNIT_MAIN(NULL, NULL, cmocka_unit_test(has_the_snr_of_rayleigh), cmocka_unit_test(keeps_the_mean_power),
-          cmocka_unit_test(grains_widen_off_the_focus), cmocka_unit_test(interfaces_keep_their_level),
-          cmocka_unit_test(follows_the_seed_only))
+          cmocka_unit_test(grains_widen_off_the_focus), cmocka_unit_test(interfaces_keep_their_level))

@@ -141,20 +141,6 @@ static void a_winding_tunnel_is_followed_to_its_end(void **state) {
     assert_int_equal(count_value(&volume, 1), length - 11);
 }
 
-static void diagonal_neighbours_do_not_connect(void **state) {
-    hs_volume volume = make(4, 4, 4);
-    memset(volume.voxels, 50, 64);
-    volume.voxels[0] = 0;                  /* (0, 0, 0): the corner */
-    volume.voxels[1 * 16 + 1 * 4 + 1] = 0; /* (1, 1, 1): touches it by a corner only */
-    volume.voxels[1 * 16 + 1 * 4 + 0] = 0; /* (0, 1, 1): on the border, and beside (1, 1, 1) */
-    volume.voxels[2 * 16 + 2 * 4 + 2] = 0; /* (2, 2, 2): touches (1, 1, 1) by a corner only */
-    mark(&volume);
-    assert_int_equal(volume.voxels[0], 0);
-    assert_int_equal(volume.voxels[1 * 16 + 1 * 4 + 1], 0);
-    assert_int_equal(volume.voxels[2 * 16 + 2 * 4 + 2], 1);
-    assert_int_equal(count_value(&volume, 50), 60);
-}
-
 static void extremes_keep_their_meaning(void **state) {
     static const uint32_t sizes[][3] = {{1, 1, 1},  {70, 1, 1},  {1, 70, 1},
                                         {1, 1, 70}, {70, 70, 1}, {9, 9, 9}};
@@ -269,6 +255,6 @@ static void the_first_failure_is_told(void **state) {
 UNIT_MAIN(NULL, NULL, cmocka_unit_test(sizes_outside_the_limits_are_refused),
           cmocka_unit_test(a_new_volume_is_zero_and_one_mm), cmocka_unit_test(unscanned_equals_a_plain_flood),
           cmocka_unit_test(a_winding_tunnel_is_followed_to_its_end),
-          cmocka_unit_test(diagonal_neighbours_do_not_connect), cmocka_unit_test(extremes_keep_their_meaning),
-          cmocka_unit_test(the_fill_does_not_recurse), cmocka_unit_test(a_volume_is_filled_in_pieces),
-          cmocka_unit_test(the_first_failure_is_told), cmocka_unit_test(a_box_keeps_what_lies_in_it))
+          cmocka_unit_test(extremes_keep_their_meaning), cmocka_unit_test(the_fill_does_not_recurse),
+          cmocka_unit_test(a_volume_is_filled_in_pieces), cmocka_unit_test(the_first_failure_is_told),
+          cmocka_unit_test(a_box_keeps_what_lies_in_it))
