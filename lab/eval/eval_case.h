@@ -134,10 +134,6 @@ void hs_eval_measures(const hs_eval_tally by_label[2], hs_measures *out);
 /* Error e per pixel of such a picture, steps; NAN where the label is 0. */
 void hs_eval_error_picture(const hs_eval_table *table, const float *termination, float *out);
 
-/* Looks up the termination depths of a depthmap for every pixel of labels 1 and 2. Others get those of the
- * ground truth. */
-void hs_eval_look_up(const hs_eval_table *table, const float *map, float *termination);
-
 /* ------------------------------------------------------------------------------------------------ case -- */
 /* One case of the evaluation: a volume with its ground truth, a plugin on it, and the table of its rays. */
 

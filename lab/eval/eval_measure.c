@@ -259,11 +259,3 @@ void hs_eval_measure_picture(const hs_eval_table *table, const float *terminatio
                       table->truth[i] - table->full[i] > HS_EVAL_TOLERANCE, HS_EVAL_TOLERANCE);
     hs_eval_measures(by_label, out);
 }
-
-void hs_eval_look_up(const hs_eval_table *table, const float *map, float *termination) {
-    memcpy(termination, table->truth, (size_t)table->width * table->height * sizeof *termination);
-    for (uint32_t r = 0; r < table->count; r++) {
-        const uint32_t i = table->pixel[r];
-        termination[i] = table->truth[i] - (float)error_at(table, r, map ? map[i] : 0.0f);
-    }
-}

@@ -67,18 +67,22 @@ bool hs_eval_speed_settings(hs_eval_study *study, uint32_t index, const hs_eval_
 
 #define MAX_REPEATS 15u /* of hs_eval_case_time */
 
+void hs_eval_method_name(const hs_plugin *plugin, const hs_eval_values *values, char *out, uint32_t bytes) {
+    sv_param_info info;
+    (void)snprintf(out, bytes, "%.60s", plugin->instance->descriptor->id);
+    if (!hs_plugin_find_param(plugin, "method", &info)) return;
+    double value = info.default_value;
+    for (uint32_t i = 0; i < values->count; i++)
+        if (values->at[i].id == info.id) value = values->at[i].value;
+    hs_plugin_value_text(plugin, &info, value, out, bytes);
+}
+
 static bool plain_open(hs_eval_study *study, hs_error *err) {
     hs_eval_plain *const p = &study->plain;
-    const hs_plugin *const plugin = &study->plugin;
-    sv_param_info info;
-    if (!hs_eval_values_parse(&p->values, plugin, study->options->sets, study->options->set_count, err))
+    if (!hs_eval_values_parse(&p->values, &study->plugin, study->options->sets, study->options->set_count,
+                              err))
         return false;
-    (void)snprintf(p->name, sizeof p->name, "%.63s", plugin->instance->descriptor->id);
-    if (!hs_plugin_find_param(plugin, "method", &info)) return true;
-    double value = info.default_value;
-    for (uint32_t i = 0; i < p->values.count; i++)
-        if (p->values.at[i].id == info.id) value = p->values.at[i].value;
-    hs_plugin_value_text(plugin, &info, value, p->name, sizeof p->name);
+    hs_eval_method_name(&study->plugin, &p->values, p->name, sizeof p->name);
     return true;
 }
 
@@ -179,7 +183,6 @@ bool hs_eval_study_begin(hs_eval_study *study, uint32_t index, hs_eval_case *c, 
         return false;
     }
     study->count = index + 1;
-    if (index == 0) study->map_side = c->table.width;
     hs_eval_measure_map(&c->table, NULL, &result->unclipped);
     (void)snprintf(result->title, sizeof result->title, "%s", c->from.source.title);
     (void)snprintf(result->doubt, sizeof result->doubt, "%s", c->from.doubt);

@@ -156,7 +156,7 @@ void hs_eval_mean_free(hs_eval_mean *mean);
 /* The plugin as a user gets it: what he set, defaults for the rest, nothing chosen by the truth. */
 
 typedef struct {
-    char name[64];         /* the value of its parameter "method"; without one the plugin's id */
+    char name[64];         /* hs_eval_method_name */
     hs_eval_values values; /* what the user set */
     hs_measures of[HS_EVAL_MAX_CASES];
     sv_status outcome[HS_EVAL_MAX_CASES];
@@ -164,6 +164,9 @@ typedef struct {
     double floor[HS_EVAL_MAX_CASES]; /* e_abs of the scene's own clipping surface as a depthmap: no map of
                                       * this size can be better; NAN: files have none */
 } hs_eval_plain;
+
+/* The value of the plugin's parameter "method" with these values; without one the plugin's id. */
+void hs_eval_method_name(const hs_plugin *plugin, const hs_eval_values *values, char *out, uint32_t bytes);
 
 /* ----------------------------------------------------------------------------------------------- study -- */
 /* A whole study: the cases of `host_sim report`, their parameter spaces, and what came of them. */
@@ -195,7 +198,6 @@ typedef struct hs_eval_study {
     hs_cl cl;
     hs_plugin plugin;
     hs_eval_plan plan;
-    uint32_t map_side; /* pixels of the first case's depthmap */
     uint32_t count;
     hs_eval_space space[HS_EVAL_MAX_CASES];
     hs_eval_result result[HS_EVAL_MAX_CASES];

@@ -157,23 +157,6 @@ void site_score_print_fetus(const site_score *score);
  * rays are right there and their share of all. */
 void site_score_print_calibration(const char *what, const wall_calibration *t);
 
-/* ----------------------------------------------------------------------------------------------- moves -- */
-/* How calm a surface is: how far the ends of rays move from frame to frame, beside the truth's. */
-
-/* Mean move of the rays that are labelled in a frame and in the one before, slices of 128; mean of all frames
- * but the first. */
-typedef struct {
-    double result, truth;
-} wall_flicker;
-
-/* Finds the surface of a frame: a depth for each of its rays; 0: nothing is clipped. */
-typedef bool wall_surface(void *user, const wall_case *frame, float *depth, hs_error *err);
-
-/* Judges two frames or more with labels, which have as many rays each: HS_ERR_USAGE, HS_ERR_INPUT;
- * HS_ERR_MEMORY; or what `surface` fails with. It is asked for the frames in their order. */
-bool wall_flicker_of(const wall_case *frames, uint32_t count, wall_surface *surface, void *user,
-                     wall_flicker *out, hs_error *err);
-
 /* ----------------------------------------------------------------------------------------------- sites -- */
 /* The sites that surfaces are judged on: sets of cases from scenes, folders and files. */
 
@@ -203,9 +186,6 @@ bool site_add_files(site_list *list, const char *files, hs_error *err);
 
 /* True for the set of site_add_files. */
 bool site_is_files(const site_set *set);
-
-/* Reads the value of an option that is "SEED,POSE"; HS_ERR_USAGE. */
-bool site_seed_and_pose(const char *option, const char *text, uint64_t *seed, uint32_t *pose, hs_error *err);
 
 /* Adds the nine scenes at 128^3 of "SEED,POSE" to the set of scenes. */
 bool site_add_scenes(site_list *list, const char *seed_and_pose, hs_error *err);
@@ -335,52 +315,8 @@ void site_print_marks(const char *what, const char *unit, const mark_scores *sco
 bool site_marks(const site_list *list, const char *const *volumes, uint32_t count,
                 const site_methods *methods, hs_error *err);
 
-/* -------------------------------------------------------------------------------------------- variants -- */
-/* Volumes on which clipping can only do harm, made from cases of a site and from volumes without a truth. */
-
-/* Made from a case with a truth. What becomes fluid gets levels of the case's own
- * fluid, unless it is black. */
-typedef enum {
-    SITE_BARE,       /* all before the true surface is fluid: nothing hides the fetus */
-    SITE_BARE_BLACK, /* the same, and that fluid is 0 */
-    SITE_NO_FETUS,   /* all behind the true surface is fluid; the labelled rays are sac */
-    SITE_BLADDER,    /* an ellipsoid of fluid, 40 mm wide, in the front tissue; the truth is the case's */
-    SITE_VARIANTS
-} site_variant;
-
-/* "bare, noisy fluid", ... */
-const char *site_variant_name(site_variant kind);
-
-/* HS_ERR_INPUT if the case has no fluid or no label. */
-bool site_variant_make(const wall_case *from, site_variant kind, wall_case *out, hs_error *err);
-
-/* Made from a volume that nothing hides: every ray that ends on tissue is labelled fetus, and its own end is
- * the truth. */
-typedef enum {
-    SITE_AS_IT_IS,
-    SITE_NO_RANGES,   /* all was scanned: what lies outside the fan is black fluid */
-    SITE_FLUID,       /* behind 16 slices of noisy fluid */
-    SITE_BLACK_FLUID, /* the same with fluid of 0 */
-    SITE_BARE_VIEWS
-} site_bare_view;
-
-bool site_bare_view_make(const wall_case *from, site_bare_view kind, wall_case *out, hs_error *err);
-
-/* The scene `real`: its occluders before a volume that nothing hides, with a truth. Writes the volume to a
- * temporary file for a while. */
-bool site_occluded_make(const wall_case *from, wall_case *out, hs_error *err);
-
 /* ------------------------------------------------------------------------------------------ do no harm -- */
 /* Do no harm: what methods do where there is nothing to remove, or something that only looks like it. */
-
-enum {
-    SITE_VIEWS = 36,  /* of a volume: 12 turns about each of three axes */
-    SITE_COARSE = 96, /* voxels along a side of a view; */
-    SITE_FINE = 144   /* 1.8 and 1.2 mm each for a head */
-};
-
-/* View 0 .. SITE_VIEWS - 1 of a volume without a truth, a cube of `side`^3 voxels (wall_case_turn). */
-bool site_view_make(const wall_case *whole, int view, uint32_t side, wall_case *out, hs_error *err);
 
 /* Prints for every method: the variants of every case (bare, without a fetus, with a bladder), and `count`
  * volumes that nothing hides, MetaImage files, from all sides, with and without scanned ranges, behind fluid
@@ -423,13 +359,10 @@ typedef struct {
     const char *volumes[JUDGE_MAX_VOLUMES]; /* MetaImage files that nothing hides */
     uint32_t volume_count;
     wall_change wall;
-    const char *still; /* NULL: not asked for */
-    uint64_t still_seed;
-    uint32_t still_pose;
     bool help;
 } judge_request;
 
-/* The definition of wall on every case, with what it knows of it; on scenes that stand still. */
+/* The definition of wall on every case, with what it knows of it. */
 bool judge_wall(judge_request *request, hs_error *err);
 
 #endif

@@ -30,22 +30,26 @@ static bool check(const wall_case *frames, uint32_t count, hs_error *err) {
     return true;
 }
 
-bool wall_flicker_of(const wall_case *frames, uint32_t count, wall_surface *surface, void *user,
-                     wall_flicker *out, hs_error *err) {
-    *out = (wall_flicker){0};
-    if (!check(frames, count, err)) return false;
-    const size_t rays = (size_t)frames[0].nx * frames[0].ny;
-    float *const memory = malloc(3 * rays * sizeof *memory);
-    float *const depth = memory, *const before = memory + rays, *const now = memory + 2 * rays;
+/* How far the ends of rays move from frame to frame, slices of 128; mean of all frames but the first. */
+typedef struct {
+    double result, truth;
+} flicker;
+
+static bool flicker_of(const site_set *frames, surf_session *s, flicker *out, hs_error *err) {
+    *out = (flicker){0};
+    if (!check(frames->cases, frames->count, err)) return false;
+    const size_t rays = (size_t)frames->cases[0].nx * frames->cases[0].ny;
+    float *const memory = malloc(2 * rays * sizeof *memory);
+    float *const before = memory, *const now = memory + rays;
     if (!memory) return hs_fail(err, HS_ERR_MEMORY, "flicker: no memory for %zu rays", rays);
     bool ok = true;
-    for (uint32_t n = 0; n < count; n++) {
-        const wall_case *c = &frames[n];
-        if (!(ok = surface(user, c, depth, err))) break;
-        for (size_t i = 0; i < rays; i++) now[i] = wall_ray_end(c, c->full, i, depth[i]);
+    for (uint32_t n = 0; n < frames->count; n++) {
+        const wall_case *c = &frames->cases[n];
+        if (!(ok = surf_session_frame(s, c, err))) break;
+        for (size_t i = 0; i < rays; i++) now[i] = wall_ray_end(c, c->full, i, s->depth[i]);
         if (n > 0) {
-            out->result += move(c - 1, c, before, now) / (count - 1);
-            out->truth += move(c - 1, c, c[-1].truth, c->truth) / (count - 1);
+            out->result += move(c - 1, c, before, now) / (frames->count - 1);
+            out->truth += move(c - 1, c, c[-1].truth, c->truth) / (frames->count - 1);
         }
         memcpy(before, now, rays * sizeof *now);
     }
@@ -58,14 +62,6 @@ bool wall_flicker_of(const wall_case *frames, uint32_t count, wall_surface *surf
 enum { SCENES = 4, FRAMES = 20, SEED = 401 };
 static const char *const scenes[SCENES] = {"E01", "E03", "M02", "D01"};
 static const double goal = 0.5; /* slices a frame */
-
-/* Computes a depthmap for wall_flicker_of; `user` is an open session. */
-static bool depth_of(void *user, const wall_case *c, float *depth, hs_error *err) {
-    surf_session *s = user;
-    if (!surf_session_frame(s, c, err)) return false;
-    memcpy(depth, s->depth, (size_t)c->nx * c->ny * sizeof *depth);
-    return true;
-}
 
 static bool make_frames(const char *scene, site_set *out, hs_error *err) {
     *out = (site_set){.cases = calloc(FRAMES, sizeof *out->cases)};
@@ -83,13 +79,13 @@ static void free_frames(site_set *frames) {
 }
 
 /* The flicker and the error of one method. */
-static bool judge(const site_set *frames, const char *plugin, const site_method *m, wall_flicker *flicker,
+static bool judge(const site_set *frames, const char *plugin, const site_method *m, flicker *moves,
                   site_score *score, hs_error *err) {
     surf_session s;
     double q;
     if (!surf_session_open(&s, plugin, m->settings, err)) return false;
-    const bool ok = site_judge(&s, frames, m->best_q, score, &q, NULL, err) &&
-                    wall_flicker_of(frames->cases, frames->count, depth_of, &s, flicker, err);
+    const bool ok =
+        site_judge(&s, frames, m->best_q, score, &q, NULL, err) && flicker_of(frames, &s, moves, err);
     surf_session_close(&s);
     return ok;
 }
@@ -99,7 +95,7 @@ static bool print_sequence(const site_set *frames, const char *name, const site_
                            double sum[SITE_MAX_METHODS], hs_error *err) {
     for (uint32_t i = 0; i < methods->count; i++) {
         site_score score;
-        wall_flicker f;
+        flicker f;
         if (!judge(frames, methods->plugin, &methods->method[i], &f, &score, err)) return false;
         if (i == 0) printf("  %s, %u frames: the truth moves by %.2f\n", name, frames->count, f.truth);
         printf("    %-28s %+5.2f   error %5.2f\n", methods->method[i].settings, f.result - f.truth,

@@ -17,16 +17,32 @@ enum { FLUID_LEVEL = 40, POOL = 65536, LEAST_POOL = 64, NEAR = 3, FAR = 8, LEAD 
  * wall of the sac, and never in the sac or the fetus. */
 static const double bladder_mm = 20.0, between_mm = 5.0;
 
-const char *site_variant_name(site_variant kind) {
-    static const char *const text[] = {"bare, noisy fluid", "bare, black fluid", "no fetus", "bladder"};
-    return text[kind];
-}
+/* Made from a case with a truth. What becomes fluid gets levels of the case's own fluid, unless it is black.
+ */
+typedef enum {
+    BARE,       /* all before the true surface is fluid: nothing hides the fetus */
+    BARE_BLACK, /* the same, and that fluid is 0 */
+    NO_FETUS,   /* all behind the true surface is fluid; the labelled rays are sac */
+    BLADDER,    /* an ellipsoid of fluid, 40 mm wide, in the front tissue; the truth is the case's */
+    VARIANTS
+} variant;
+static const char *const variant_names[VARIANTS] = {"bare, noisy fluid", "bare, black fluid", "no fetus",
+                                                    "bladder"};
 
-static const char *site_bare_view_name(site_bare_view kind) {
-    static const char *const text[] = {"scanned ranges given", "no ranges", "behind noisy fluid",
-                                       "behind black fluid"};
-    return text[kind];
-}
+/* Made from a volume that nothing hides: every ray that ends on tissue is labelled fetus, and its own end is
+ * the truth. The last two are the scene `real`: its occluders before the volume, in coarse and fine views. */
+typedef enum {
+    AS_IT_IS,
+    NO_RANGES,    /* all was scanned: what lies outside the fan is black fluid */
+    BEHIND_NOISE, /* behind 16 slices of noisy fluid */
+    BEHIND_BLACK, /* the same with fluid of 0 */
+    OCCLUDED,
+    OCCLUDED_FINE,
+    ROWS
+} row;
+static const char *const row_names[ROWS] = {"scanned ranges given", "no ranges",
+                                            "behind noisy fluid",   "behind black fluid",
+                                            "behind occluders",     "fine, behind occluders"};
 
 /* Numerical Recipes' constants: the same noise on every machine. */
 static uint32_t next(uint32_t *state) {
@@ -102,17 +118,17 @@ static bool is_inside(const ellipsoid *e, size_t x, size_t y, uint32_t z) {
 }
 
 /* Whether a voxel becomes fluid. */
-static bool becomes_fluid(const wall_case *c, site_variant kind, const ellipsoid *bladder, size_t i,
-                          uint32_t clip, uint32_t z) {
+static bool becomes_fluid(const wall_case *c, variant kind, const ellipsoid *bladder, size_t i, uint32_t clip,
+                          uint32_t z) {
     const double between = between_mm / c->spacing_mm[2];
-    if (kind == SITE_BLADDER)
+    if (kind == BLADDER)
         return is_inside(bladder, i % c->nx, i / c->nx, z) &&
                (c->label[i] == HS_LABEL_NEITHER || (double)z + between < (double)clip);
-    if (kind == SITE_NO_FETUS) return c->label[i] != HS_LABEL_NEITHER && z >= clip;
+    if (kind == NO_FETUS) return c->label[i] != HS_LABEL_NEITHER && z >= clip;
     return z < clip;
 }
 
-bool site_variant_make(const wall_case *from, site_variant kind, wall_case *out, hs_error *err) {
+static bool make_variant(const wall_case *from, variant kind, wall_case *out, hs_error *err) {
     static uint8_t pool[POOL];
     uint32_t state = 1;
     *out = (wall_case){0};
@@ -130,11 +146,11 @@ bool site_variant_make(const wall_case *from, site_variant kind, wall_case *out,
         const uint32_t clip = clip_of(from, i);
         for (uint32_t z = from->first[i]; z < from->end[i]; z++)
             if (becomes_fluid(from, kind, &bladder, i, clip, z))
-                out->full[z * plane + i] = kind == SITE_BARE_BLACK ? 0 : pool[next(&state) % levels];
-        if (kind == SITE_NO_FETUS && out->label[i] != HS_LABEL_NEITHER) out->label[i] = HS_LABEL_SAC;
+                out->full[z * plane + i] = kind == BARE_BLACK ? 0 : pool[next(&state) % levels];
+        if (kind == NO_FETUS && out->label[i] != HS_LABEL_NEITHER) out->label[i] = HS_LABEL_SAC;
     }
     nothing_hides(out, false);
-    if (kind == SITE_BLADDER) {
+    if (kind == BLADDER) {
         memcpy(out->truth, from->truth, plane * sizeof *out->truth);
         memcpy(out->clean, from->clean, plane * from->nz);
     }
@@ -143,8 +159,8 @@ bool site_variant_make(const wall_case *from, site_variant kind, wall_case *out,
 
 /* ---- from a volume that nothing hides */
 
-bool site_bare_view_make(const wall_case *from, site_bare_view kind, wall_case *out, hs_error *err) {
-    const bool behind = kind == SITE_FLUID || kind == SITE_BLACK_FLUID;
+static bool make_bare(const wall_case *from, row kind, wall_case *out, hs_error *err) {
+    const bool behind = kind == BEHIND_NOISE || kind == BEHIND_BLACK;
     const uint32_t lead = behind ? LEAD : 0;
     const size_t plane = plane_of(from);
     uint32_t state = 1;
@@ -152,9 +168,9 @@ bool site_bare_view_make(const wall_case *from, site_bare_view kind, wall_case *
     memcpy(out->full + lead * plane, from->full, plane * from->nz);
     for (size_t i = 0; i < plane; i++) {
         const bool seen = from->first[i] < from->end[i];
-        out->end[i] = (uint16_t)(kind == SITE_NO_RANGES ? out->nz : seen ? from->end[i] + lead : 0);
-        out->first[i] = (uint16_t)(kind == SITE_AS_IT_IS ? from->first[i] : 0);
-        for (uint32_t z = 0; seen && kind == SITE_FLUID && z < from->first[i] + lead; z++)
+        out->end[i] = (uint16_t)(kind == NO_RANGES ? out->nz : seen ? from->end[i] + lead : 0);
+        out->first[i] = (uint16_t)(kind == AS_IT_IS ? from->first[i] : 0);
+        for (uint32_t z = 0; seen && kind == BEHIND_NOISE && z < from->first[i] + lead; z++)
             out->full[z * plane + i] = (uint8_t)(1 + next(&state) % NOISE);
     }
     nothing_hides(out, true);
@@ -181,7 +197,7 @@ static bool write_volume(const wall_case *c, char *path, size_t size, hs_error *
     return hs_metaimage_write(path, &format, c->full + from * plane_of(c), err);
 }
 
-bool site_occluded_make(const wall_case *from, wall_case *out, hs_error *err) {
+static bool make_occluded(const wall_case *from, wall_case *out, hs_error *err) {
     char path[1024];
     hs_eval_source source;
     const hs_eval_request request = {.name = "real", .real = path};
@@ -198,7 +214,12 @@ bool site_occluded_make(const wall_case *from, wall_case *out, hs_error *err) {
 
 /* ------------------------------------------------------------------------------------------ do no harm -- */
 
-enum { TURNS = 12 };
+enum {
+    TURNS = 12, /* about each of three axes */
+    VIEWS = 3 * TURNS,
+    COARSE = 96, /* voxels along a side of a view; */
+    FINE = 144   /* 1.8 and 1.2 mm each for a head */
+};
 
 static void print_score(const char *what, const char *method, const site_score *s, bool sure) {
     const wall_score mean = site_score_mean(s);
@@ -246,39 +267,25 @@ static void print_all(const team *t, const char *what, const site_score scores[S
 
 static bool print_variants(team *t, const site_set *set, hs_error *err) {
     printf("%s\n", set->title);
-    for (int kind = 0; kind < SITE_VARIANTS; kind++) {
+    for (int kind = 0; kind < VARIANTS; kind++) {
         static site_score scores[SITE_MAX_METHODS]; /* too large for the stack */
         memset(scores, 0, sizeof scores);
         for (uint32_t n = 0; n < set->count; n++) {
             wall_case c;
-            if (!site_variant_make(&set->cases[n], (site_variant)kind, &c, err)) return false;
+            if (!make_variant(&set->cases[n], (variant)kind, &c, err)) return false;
             const bool ok = judge_all(t, &c, scores, err);
             wall_case_free(&c);
             if (!ok) return false;
         }
-        print_all(t, site_variant_name((site_variant)kind), scores);
+        print_all(t, variant_names[kind], scores);
     }
     return true;
 }
 
-bool site_view_make(const wall_case *whole, int view, uint32_t side, wall_case *out, hs_error *err) {
-    return wall_case_turn(whole, view / TURNS, 360.0 / TURNS * (view % TURNS), side, out, err);
-}
-
-/* The last two rows are for the occluders, before coarse and fine views. */
-enum { ROWS = SITE_BARE_VIEWS + 2, FINE_ROW = ROWS - 1 };
-
-static const char *row_name(int row) {
-    if (row < SITE_BARE_VIEWS) return site_bare_view_name((site_bare_view)row);
-    return row == FINE_ROW ? "fine, behind occluders" : "behind occluders";
-}
-
-static bool judge_row(team *t, const wall_case *view, int row, site_score scores[SITE_MAX_METHODS],
+static bool judge_row(team *t, const wall_case *view, row kind, site_score scores[SITE_MAX_METHODS],
                       hs_error *err) {
     wall_case c;
-    if (row < SITE_BARE_VIEWS ? !site_bare_view_make(view, (site_bare_view)row, &c, err)
-                              : !site_occluded_make(view, &c, err))
-        return false;
+    if (kind < OCCLUDED ? !make_bare(view, kind, &c, err) : !make_occluded(view, &c, err)) return false;
     const bool ok = judge_all(t, &c, scores, err);
     wall_case_free(&c);
     return ok;
@@ -288,10 +295,11 @@ static bool judge_row(team *t, const wall_case *view, int row, site_score scores
 static bool judge_side(team *t, const wall_case *whole, int view, site_score scores[ROWS][SITE_MAX_METHODS],
                        hs_error *err) {
     wall_case coarse = {0}, fine = {0};
-    bool ok = site_view_make(whole, view, SITE_COARSE, &coarse, err) &&
-              site_view_make(whole, view, SITE_FINE, &fine, err);
-    for (int row = 0; ok && row < ROWS; row++)
-        ok = judge_row(t, row == FINE_ROW ? &fine : &coarse, row, scores[row], err);
+    const double degrees = 360.0 / TURNS * (view % TURNS);
+    bool ok = wall_case_turn(whole, view / TURNS, degrees, COARSE, &coarse, err) &&
+              wall_case_turn(whole, view / TURNS, degrees, FINE, &fine, err);
+    for (int i = 0; ok && i < ROWS; i++)
+        ok = judge_row(t, i == OCCLUDED_FINE ? &fine : &coarse, (row)i, scores[i], err);
     wall_case_free(&coarse);
     wall_case_free(&fine);
     return ok;
@@ -303,10 +311,10 @@ static bool print_views(team *t, const char *path, hs_error *err) {
     memset(scores, 0, sizeof scores);
     if (!wall_case_open(path, &whole, err)) return false;
     bool ok = true;
-    for (int i = 0; ok && i < SITE_VIEWS; i++) ok = judge_side(t, &whole, i, scores, err);
-    if (ok) printf("%s, %d views\n", whole.name, SITE_VIEWS);
+    for (int i = 0; ok && i < VIEWS; i++) ok = judge_side(t, &whole, i, scores, err);
+    if (ok) printf("%s, %d views\n", whole.name, VIEWS);
     wall_case_free(&whole);
-    for (int row = 0; ok && row < ROWS; row++) print_all(t, row_name(row), scores[row]);
+    for (int i = 0; ok && i < ROWS; i++) print_all(t, row_names[i], scores[i]);
     return ok;
 }
 

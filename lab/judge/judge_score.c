@@ -85,10 +85,10 @@ double wall_auc(const wall_calibration *t, wall_fault fault) {
     return right > 0.0 && wrong > 0.0 ? pairs / (right * wrong) : 1.0;
 }
 
-/* Share of right rays among those of confidence low .. high, and the mean confidence there; false if there
- * are less than `least`. */
-static bool wall_reliability(const wall_calibration *t, double low, double high, uint64_t least,
-                             double *right, double *mean) {
+/* Share of right rays among those of confidence low .. high, and the mean confidence there. Returns how many
+ * there are. */
+static uint64_t wall_reliability(const wall_calibration *t, double low, double high, double *right,
+                                 double *mean) {
     uint64_t good = 0, all = 0;
     double sum = 0.0;
     for (int i = 0; i < WALL_BINS; i++) {
@@ -98,10 +98,9 @@ static bool wall_reliability(const wall_calibration *t, double low, double high,
         all += t->right[i] + t->wrong[i];
         sum += confidence * (double)(t->right[i] + t->wrong[i]);
     }
-    if (all == 0 || all < least) return false;
     *right = (double)good / (double)all;
     *mean = sum / (double)all;
-    return true;
+    return all;
 }
 
 /* ---------------------------------------------------------------------------------------------- a site -- */
@@ -162,25 +161,14 @@ void site_score_print_fetus(const site_score *s) {
     printf("\n");
 }
 
-static uint64_t rays_of(const wall_calibration *t) {
-    uint64_t all = 0;
-    for (int i = 0; i < WALL_BINS; i++) all += t->right[i] + t->wrong[i];
-    return all;
-}
-
 void site_score_print_calibration(const char *what, const wall_calibration *t) {
-    uint64_t below = 0;
+    double right, mean;
+    const double rays = (double)wall_reliability(t, 0.0, 1.1, &right, &mean);
     printf("  %s: it says / right / share of the rays, %%\n   ", what);
     for (int i = 0; i < TENTHS; i++) {
         const double low = 0.1 * i, high = i == TENTHS - 1 ? 1.1 : 0.1 * (i + 1);
-        double right, mean;
-        below = 0;
-        for (int k = 0; k < WALL_BINS; k++) {
-            const double at = (double)k / (WALL_BINS - 1);
-            if (at >= low && at < high) below += t->right[k] + t->wrong[k];
-        }
-        if (wall_reliability(t, low, high, LEAST_RAYS, &right, &mean))
-            printf(" %.2f/%.2f/%.0f", mean, right, 100.0 * (double)below / (double)rays_of(t));
+        const uint64_t here = wall_reliability(t, low, high, &right, &mean);
+        if (here >= LEAST_RAYS) printf(" %.2f/%.2f/%.0f", mean, right, 100.0 * (double)here / rays);
     }
     printf("\n");
 }

@@ -77,25 +77,17 @@ bool site_add_files(site_list *list, const char *files, hs_error *err) {
     return true;
 }
 
-bool site_seed_and_pose(const char *option, const char *text, uint64_t *seed, uint32_t *pose, hs_error *err) {
-    unsigned long first = 0, second = 0;
-    int length = 0;
-    const bool read = sscanf(text, "%9lu,%9lu%n", &first, &second, &length) == 2 && text[length] == '\0';
-    *seed = first;
-    *pose = (uint32_t)second;
-    return read || hs_fail(err, HS_ERR_USAGE, "%s: '%s' is no SEED,POSE", option, text);
-}
-
 bool site_add_scenes(site_list *list, const char *text, hs_error *err) {
-    uint64_t seed;
-    uint32_t pose;
-    if (!site_seed_and_pose("--scenes", text, &seed, &pose, err)) return false;
+    unsigned long seed = 0, pose = 0;
+    int length = 0;
+    if (sscanf(text, "%9lu,%9lu%n", &seed, &pose, &length) != 2 || text[length] != '\0')
+        return hs_fail(err, HS_ERR_USAGE, "--scenes: '%s' is no SEED,POSE", text);
     site_set *s = set_of(list, "scenes", err);
     if (!s) return false;
     name_part(s, text);
     for (int i = 0; i < SITE_NAMES; i++) {
         wall_case *c = new_case(s, err);
-        if (!c || !wall_case_make(site_names[i], seed, pose, 0, c, err)) return false;
+        if (!c || !wall_case_make(site_names[i], seed, (uint32_t)pose, 0, c, err)) return false;
         s->count++;
     }
     return true;

@@ -24,8 +24,6 @@ static double *find_constant(sv_wall_settings *s, const char *key) {
 /* ------------------------------------------------------------------------------------------ definition -- */
 /* The definition of the wall's surface on cases, with any of its constants changed. */
 
-enum { STILL_FRAMES = 8 };
-
 wall_change wall_change_none(void) {
     return (wall_change){.settings = sv_wall_settings_default(), .gain = 1.0, .gamma = 1.0, .near_gain = 1.0};
 }
@@ -172,45 +170,10 @@ static bool judge_set(site_set *set, const wall_change *o, hs_error *err) {
     return true;
 }
 
-/* Computes a depthmap for wall_flicker_of; `user` is a wall_change. */
-static bool depth_of(void *user, const wall_case *c, float *depth, hs_error *err) {
-    answer a;
-    const bool ok = ask(c, user, &a, err);
-    if (ok) memcpy(depth, a.depth, (size_t)c->nx * c->ny * sizeof *depth);
-    free_answer(&a);
-    return ok;
-}
-
-/* A scene that stands still: only the seed is another in every frame. */
-static bool flicker_of(const char *scene, const judge_request *r, wall_flicker *out, hs_error *err) {
-    wall_case frames[STILL_FRAMES];
-    wall_change change = r->wall;
-    uint32_t count = 0;
-    while (count < STILL_FRAMES &&
-           wall_case_make(scene, r->still_seed + count, r->still_pose, 0, &frames[count], err))
-        count++;
-    const bool ok = count == STILL_FRAMES && wall_flicker_of(frames, count, depth_of, &change, out, err);
-    while (count > 0) wall_case_free(&frames[--count]);
-    return ok;
-}
-
-static bool judge_still(const judge_request *r, hs_error *err) {
-    double sum = 0.0;
-    for (int i = 0; i < SITE_NAMES; i++) {
-        wall_flicker f;
-        if (!flicker_of(site_names[i], r, &f, err)) return false;
-        sum += (f.result - f.truth) / SITE_NAMES;
-        printf("  %-4s %5.2f slices a frame, truth %5.2f\n", site_names[i], f.result, f.truth);
-    }
-    printf("still: %.2f slices a frame beyond the truth's\n", sum);
-    return true;
-}
-
 bool judge_wall(judge_request *r, hs_error *err) {
-    const bool nothing_given = r->sites.count == 0 && r->volume_count == 0 && !r->still;
+    const bool nothing_given = r->sites.count == 0 && r->volume_count == 0;
     bool ok = !nothing_given || site_add_scenes(&r->sites, "201,0", err);
     for (uint32_t i = 0; ok && i < r->sites.count; i++) ok = judge_set(&r->sites.set[i], &r->wall, err);
     for (uint32_t i = 0; ok && i < r->volume_count; i++) ok = print_volume(r->volumes[i], &r->wall, err);
-    if (ok && r->still) ok = judge_still(r, err);
     return ok;
 }

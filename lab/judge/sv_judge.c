@@ -108,12 +108,6 @@ static bool take_tilt(void *all, const char *text, hs_error *err) {
            hs_fail(err, HS_ERR_USAGE, "--tilt: '%s' is no X,Y of -45 to 45 degrees", text);
 }
 
-static bool take_still(void *all, const char *text, hs_error *err) {
-    judge_request *const r = all;
-    r->still = text;
-    return site_seed_and_pose("--still", text, &r->still_seed, &r->still_pose, err);
-}
-
 #define AT(field) offsetof(judge_request, field)
 static const hs_option options[] = {
     {"scenes", "SEED,POSE", "the nine scenes at 128^3 [201,0]\n", HS_OPTION_TAKEN, 0, 0, 0, take_scenes},
@@ -145,10 +139,6 @@ static const hs_option options[] = {
      HS_OPTION_TAKEN, 0, 0, 0, take_constant},
     {"tilt", "X,Y", "wall: turn the camera by so many degrees about x and then y first\n", HS_OPTION_TAKEN, 0,
      0, 0, take_tilt},
-    {"still", "SEED,POSE",
-     "wall: the nine scenes standing still, other speckle and particles in each of 8 frames:\n"
-     "how much the ends of rays move\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_still},
     {"plugin", "PATH", "library to judge [the build's smartvis.so]\n", HS_OPTION_TEXT, AT(methods.plugin), 0,
      0, NULL},
     {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},

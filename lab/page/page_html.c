@@ -81,27 +81,19 @@ static void put(hs_page *page, const char *markup) {
     put_bytes(page, markup, strlen(markup));
 }
 
-/* Text with the characters that HTML reads as markup replaced. */
-static void put_text(hs_page *page, const char *text) {
+void hs_page_escape(FILE *out, const char *text) {
     for (const char *c = text; *c; c++) {
-        switch (*c) {
-        case '&':
-            put(page, "&amp;");
-            break;
-        case '<':
-            put(page, "&lt;");
-            break;
-        case '>':
-            put(page, "&gt;");
-            break;
-        case '"':
-            put(page, "&quot;");
-            break;
-        default:
-            put_bytes(page, c, 1);
-            break;
-        }
+        const char *const named = *c == '&'   ? "&amp;"
+                                  : *c == '<' ? "&lt;"
+                                  : *c == '>' ? "&gt;"
+                                  : *c == '"' ? "&quot;"
+                                              : NULL;
+        (void)(named ? fputs(named, out) : fputc(*c, out));
     }
+}
+
+static void put_text(hs_page *page, const char *text) {
+    if (page->error.code == HS_OK) hs_page_escape(page->to->stream, text);
 }
 
 void hs_page_open(hs_page *page, const char *path, const char *title) {
@@ -295,8 +287,8 @@ void hs_page_table_end(hs_page *page) {
     put(page, "</table>\n");
 }
 
-void hs_page_markup(hs_page *page, const char *markup) {
-    put(page, markup);
+FILE *hs_page_stream(hs_page *page) {
+    return page->error.code == HS_OK ? page->to->stream : NULL;
 }
 
 void hs_page_slider_begin(hs_page *page, const char *label, unsigned count, unsigned shown) {

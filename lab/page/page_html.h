@@ -68,8 +68,11 @@ void hs_page_table_begin(hs_page *page);
 void hs_page_table_row(hs_page *page, const char *const *cells, unsigned count);
 void hs_page_table_end(hs_page *page);
 
-/* Finished markup (a figure in SVG); the caller answers for it. */
-void hs_page_markup(hs_page *page, const char *markup);
+/* Takes finished markup (a figure in SVG), for which the caller answers; NULL if something failed before. */
+FILE *hs_page_stream(hs_page *page);
+
+/* Text with the characters that markup needs replaced. */
+void hs_page_escape(FILE *out, const char *text);
 
 /* A slider over pictures: begin, one hs_page_picture per position, end. `label` says what it turns;
  * `shown` is the position it starts at (0: the first). A short script in the page moves it; without one all

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "page/plot.h"
 
+#include "page/page_html.h"
 #include "picture/picture.h"
 
 #include <math.h>
@@ -17,26 +18,19 @@ enum {
     HS_PLOT_BOTTOM = 306
 };
 
-static void escape(FILE *out, const char *text) {
-    for (const char *c = text; *c; c++) {
-        if (*c == '&')
-            (void)fputs("&amp;", out);
-        else if (*c == '<')
-            (void)fputs("&lt;", out);
-        else if (*c == '>')
-            (void)fputs("&gt;", out);
-        else if (*c == '"')
-            (void)fputs("&quot;", out);
-        else
-            (void)fputc(*c, out);
-    }
-}
-
-/* Text with the characters that markup needs replaced; `anchor` is start, middle or end. */
+/* `anchor` is start, middle or end. */
 static void hs_plot_text(FILE *out, double x, double y, const char *anchor, const char *text) {
     (void)fprintf(out, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">", x, y, anchor);
-    escape(out, text);
+    hs_page_escape(out, text);
     (void)fprintf(out, "</text>\n");
+}
+
+/* Text up the side of the drawing. */
+static void turned_text(FILE *out, int x, const char *text) {
+    (void)fprintf(out, "<g transform=\"translate(%d %.1f) rotate(-90)\">", x,
+                  (HS_PLOT_TOP + HS_PLOT_BOTTOM) / 2.0);
+    hs_plot_text(out, 0, 0, "middle", text);
+    (void)fprintf(out, "</g>\n");
 }
 
 /* Label `index` below the x axis; a phone leaves out every other. */
@@ -49,19 +43,16 @@ static void hs_plot_tick(FILE *out, double x, uint32_t index, const char *text) 
 /* Begins the figure: title, axis labels, font. */
 static void hs_plot_begin(FILE *out, const char *title, const char *x_label, const char *y_label) {
     const double middle_x = (HS_PLOT_LEFT + HS_PLOT_RIGHT) / 2.0;
-    const double middle_y = (HS_PLOT_TOP + HS_PLOT_BOTTOM) / 2.0;
     (void)fprintf(out, "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-label=\"", HS_PLOT_WIDTH,
                   HS_PLOT_HEIGHT);
-    escape(out, title);
+    hs_page_escape(out, title);
     (void)fprintf(out, "\" font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"#1c2024\">\n<title>");
-    escape(out, title);
+    hs_page_escape(out, title);
     (void)fprintf(out, "</title>\n<g class=\"title\" font-size=\"14\" font-weight=\"600\">");
     hs_plot_text(out, HS_PLOT_LEFT, HS_PLOT_TOP - 14, "start", title);
     (void)fprintf(out, "</g>\n");
     hs_plot_text(out, middle_x, HS_PLOT_HEIGHT - 12, "middle", x_label);
-    (void)fprintf(out, "<g transform=\"translate(16 %.1f) rotate(-90)\">", middle_y);
-    hs_plot_text(out, 0, 0, "middle", y_label);
-    (void)fprintf(out, "</g>\n");
+    turned_text(out, 16, y_label);
 }
 
 static void hs_plot_end(FILE *out) {
@@ -159,13 +150,11 @@ static void colour_bar(FILE *out, range r, const char *label) {
         (void)snprintf(text, sizeof text, "%.3g", value_at(r, i / 4.0));
         hs_plot_text(out, HS_PLOT_RIGHT + 44, HS_PLOT_BOTTOM - height * i / 4 + 4, "start", text);
     }
-    (void)fprintf(out, "<g transform=\"translate(%d %.1f) rotate(-90)\">", HS_PLOT_WIDTH - 14,
-                  (HS_PLOT_TOP + HS_PLOT_BOTTOM) / 2.0);
-    hs_plot_text(out, 0, 0, "middle", label);
-    (void)fprintf(out, "</g>\n");
+    turned_text(out, HS_PLOT_WIDTH - 14, label);
 }
 
 void hs_plot_heat_write(FILE *out, const hs_plot_heat *plot) {
+    if (!out) return;
     const double w = (double)(HS_PLOT_RIGHT - HS_PLOT_LEFT) / plot->columns;
     const double h = (double)(HS_PLOT_BOTTOM - HS_PLOT_TOP) / plot->rows;
     const range r = range_of(plot);
@@ -217,6 +206,7 @@ static void draw_group(FILE *out, const hs_plot_bars *plot, uint32_t group, doub
 
 void hs_plot_bars_write(FILE *out, const hs_plot_bars *plot) {
     double largest = 0;
+    if (!out) return;
     for (uint32_t i = 0; i < plot->groups * plot->series; i++) largest = fmax(largest, plot->value[i]);
     hs_plot_begin(out, plot->title, "case", plot->y_label);
     const double top = hs_plot_y_axis(out, largest);

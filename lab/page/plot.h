@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Figures as inline SVG: axes with units, a legend, a title that a screen reader says. Texts are escaped. */
+/* Figures as inline SVG: axes with units, a legend, a title that a screen reader says. Texts are escaped.
+ * Without a stream nothing is written. */
 #ifndef HS_PLOT_H
 #define HS_PLOT_H
 

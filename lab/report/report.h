@@ -128,16 +128,12 @@ bool hs_eval_compare_folder(const hs_eval_comparison *x, uint32_t index, char *o
 void hs_eval_compare_file(uint32_t method, char *out, size_t bytes);
 
 /* ------------------------------------------------------------------------------------- parts of a page -- */
-/* What the sections of the evaluation's page are made of: pictures of a case, and figures. */
+/* What the sections of the evaluation's page are made of: pictures of a case. */
 
 /* A picture of the case's folder; renderings as photos. `alt` is said for the picture after the case's name.
  * Errors are kept in the page. */
 void hs_eval_page_show(hs_page *report, const hs_eval_study *study, uint32_t index, const char *name,
                        const char *alt, const char *caption);
-
-/* Writes a figure (page/plot.h) into the page. */
-typedef void (*hs_eval_figure_fn)(FILE *out, const void *plot);
-void hs_eval_figure_put(hs_page *report, hs_eval_figure_fn write, const void *plot);
 
 /* ------------------------------------------------------------------------------------- parameter space -- */
 /* Figures 5.7 and 5.8 of the thesis, for our cases. */

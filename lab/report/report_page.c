@@ -246,24 +246,13 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
     hs_page_fold_end(report);
 }
 
-/* The value of the parameter "method" that the space is of. */
-static void name_studied(const hs_eval_study *study, char *out, uint32_t bytes) {
-    const hs_eval_values *values = &study->plan.base;
-    sv_param_info info;
-    (void)snprintf(out, bytes, "%.60s", study->plugin.instance->descriptor->id);
-    if (!hs_plugin_find_param(&study->plugin, "method", &info)) return;
-    for (uint32_t i = 0; i < values->count; i++)
-        if (values->at[i].id == info.id)
-            hs_plugin_value_text(&study->plugin, &info, values->at[i].value, out, bytes);
-}
-
 bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
     char path[PATH_MAX], text[128], studied[64];
     hs_page report;
     if (!hs_path_join(study->options->out, "index.html", path, sizeof path, err)) return false;
     hs_page_open(&report, path, "SmartVis: evaluation");
     put_first(&report, study);
-    name_studied(study, studied, sizeof studied);
+    hs_eval_method_name(&study->plugin, &study->plan.base, studied, sizeof studied);
     (void)snprintf(text, sizeof text, "The settings of %.60s, chosen by the truth", studied);
     hs_page_heading(&report, 2, text);
     put_terms(&report, study);
@@ -326,10 +315,6 @@ static void put_differences(hs_page *report, const hs_eval_comparison *x) {
     hs_page_table_end(report);
 }
 
-static void write_bars(FILE *out, const void *plot) {
-    hs_plot_bars_write(out, plot);
-}
-
 /* e_abs per case, of the first eight. */
 static void put_bars(hs_page *report, const hs_eval_comparison *x) {
     const uint32_t cases = x->options->case_count, series = x->count < MAX_BARS ? x->count : MAX_BARS;
@@ -353,7 +338,7 @@ static void put_bars(hs_page *report, const hs_eval_comparison *x) {
                                .group = groups,
                                .name = names,
                                .value = value};
-    hs_eval_figure_put(report, write_bars, &plot);
+    hs_plot_bars_write(hs_page_stream(report), &plot);
 }
 
 static void show(hs_page *report, const char *folder, const char *file, const char *name,

@@ -15,6 +15,45 @@ static bool open_csv(const char *folder, const char *name, hs_output_file *outpu
     return hs_path_join(folder, name, path, sizeof path, err) && hs_output_open(output, path, err);
 }
 
+/* ----------------------------------------------------------------------------------------------- space -- */
+
+static void write_head(const hs_eval_space *space, FILE *file) {
+    (void)fprintf(file, "t_b,delta_mi,k,%s,outcome",
+                  space->plan->knob.exists ? space->plan->knob.info.key : "position");
+    for (int m = 0; m < HS_MEASURE_COUNT; m++) (void)fprintf(file, ",%s", hs_measure_key((hs_measure)m));
+    (void)fprintf(file, "\n");
+}
+
+/* The rows of one item. */
+static void write_item(const hs_eval_space *space, uint32_t item, FILE *file) {
+    const hs_eval_plan *plan = space->plan;
+    const uint32_t t = item / plan->kernel.count, k = item % plan->kernel.count;
+    for (uint32_t q = 0; q < plan->knob.count; q++) {
+        if (plan->threshold.exists)
+            (void)fprintf(file, "%.6g,%.4f,", plan->threshold.value[t],
+                          space->volume_max - plan->threshold.value[t]);
+        else
+            (void)fprintf(file, ",,");
+        if (plan->kernel.exists) (void)fprintf(file, "%.6g", plan->kernel.value[k]);
+        (void)fprintf(file, ",");
+        if (plan->knob.exists) (void)fprintf(file, "%.9g", plan->knob.value[q]);
+        (void)fprintf(file, ",%d", space->outcome[item]);
+        const hs_measures *m = &space->at[(size_t)item * plan->knob.count + q];
+        for (int i = 0; i < HS_MEASURE_COUNT; i++) (void)fprintf(file, ",%.6g", (double)m->of[i]);
+        (void)fprintf(file, "\n");
+    }
+}
+
+bool hs_eval_csv_write(const hs_eval_space *space, const char *folder, hs_error *err) {
+    char name[96];
+    hs_output_file output = {0};
+    (void)snprintf(name, sizeof name, "space_%s.csv", space->name);
+    if (!open_csv(folder, name, &output, err)) return false;
+    write_head(space, output.file);
+    for (uint32_t item = 0; item < space->items; item++) write_item(space, item, output.file);
+    return hs_output_commit(&output, err); /* fails if any write before did */
+}
+
 /* ------------------------------------------------------------------------------------------- as it is -- */
 
 static void case_row(const hs_eval_study *study, uint32_t index, double out[HS_PLAIN_COUNT]) {
@@ -137,18 +176,15 @@ static void put_measures(hs_eval_row *row, const hs_measures *m, double unclippe
 
 /* The mean of a measure over the cases that have it: without a fetus nothing of one is cut. */
 static float known_mean(const hs_eval_study *study, hs_eval_table_kind kind, int measure) {
-    float sum = 0.0f;
+    double sum = 0;
     uint32_t known = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (uint32_t i = 0; i < study->count; i++) {
-            const float of = hs_eval_at(&study->space[i], setting_of(study, kind, i))->of[measure];
-            if (isnan(of)) continue;
-            if (pass == 0)
-                known++;
-            else
-                sum += of / (float)known;
-        }
-    return known ? sum : NAN;
+    for (uint32_t i = 0; i < study->count; i++) {
+        const double of = (double)hs_eval_at(&study->space[i], setting_of(study, kind, i))->of[measure];
+        if (isnan(of)) continue;
+        sum += of;
+        known++;
+    }
+    return known ? (float)(sum / known) : NAN;
 }
 
 /* Means of what is known; the common setting in Table 5.3. */

@@ -7,7 +7,6 @@
 
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ----------------------------------------------------------------------------------------------- parts -- */
@@ -22,23 +21,7 @@ void hs_eval_page_show(hs_page *report, const hs_eval_study *study, uint32_t ind
         (drawn ? hs_page_picture : hs_page_photo)(report, path, full_alt, caption);
 }
 
-void hs_eval_figure_put(hs_page *report, hs_eval_figure_fn write, const void *plot) {
-    char *markup = NULL;
-    size_t bytes = 0;
-    FILE *stream = open_memstream(&markup, &bytes);
-    if (stream) write(stream, plot);
-    if (stream && fclose(stream) == 0)
-        hs_page_markup(report, markup);
-    else
-        (void)hs_fail(&report->error, HS_ERR_MEMORY, "page: no memory for a figure");
-    free(markup);
-}
-
 /* ------------------------------------------------------------------------------------- parameter space -- */
-
-static void write_heat(FILE *out, const void *plot) {
-    hs_plot_heat_write(out, plot);
-}
 
 static float lowest_over_knob(const hs_eval_space *space, uint32_t threshold, uint32_t kernel) {
     return hs_eval_at(space, hs_eval_best_knob(space, threshold, kernel))->of[HS_MEASURE_ABS];
@@ -72,7 +55,7 @@ void hs_eval_figure_space(hs_page *report, const hs_eval_study *study, uint32_t 
             value[(size_t)plot.columns * kernels + k] = lowest_over_knob(space, t, k);
         plot.columns++;
     }
-    if (plot.columns > 0) hs_eval_figure_put(report, write_heat, &plot);
+    if (plot.columns > 0) hs_plot_heat_write(hs_page_stream(report), &plot);
 }
 
 void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study) {
@@ -97,7 +80,7 @@ void hs_eval_figure_mean(hs_page *report, const hs_eval_study *study) {
         .value = value,
         .mark_column = (int32_t)mean->best,
         .mark_row = (int32_t)mean->best_kernel};
-    hs_eval_figure_put(report, write_heat, &plot);
+    hs_plot_heat_write(hs_page_stream(report), &plot);
 }
 
 /* ----------------------------------------------------------------------------------------------- speed -- */
@@ -111,10 +94,6 @@ static void stage_ms(const hs_loop_result *r, double ms[STAGES]) {
     ms[2] = t->threshold_ms;
     ms[3] = t->reconstruct_ms;
     ms[4] = t->output_ms;
-}
-
-static void write_bars(FILE *out, const void *plot) {
-    hs_plot_bars_write(out, plot);
 }
 
 static bool tells_stages(const hs_eval_study *study) {
@@ -137,7 +116,7 @@ static void put_settings(hs_page *report, const hs_eval_study *study, const char
                                .group = names,
                                .name = labels,
                                .value = value};
-    hs_eval_figure_put(report, write_bars, &plot);
+    hs_plot_bars_write(hs_page_stream(report), &plot);
 }
 
 /* Table 5.4: the average over the cases. */

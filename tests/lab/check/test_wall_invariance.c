@@ -20,22 +20,17 @@ static size_t plane_of(const wall_case *c) {
     return (size_t)c->nx * c->ny;
 }
 
-/* A case of the same kind with room for voxels and ranges; without a truth. */
-static wall_case like(const wall_case *from, uint32_t nx, uint32_t ny, uint32_t nz) {
-    wall_case c = {.nx = nx, .ny = ny, .nz = nz};
-    memcpy(c.spacing_mm, from->spacing_mm, sizeof c.spacing_mm);
-    c.full = calloc(plane_of(&c), nz);
-    c.first = calloc(plane_of(&c), sizeof *c.first);
-    c.end = calloc(plane_of(&c), sizeof *c.end);
-    assert_true(c.full && c.first && c.end);
-    return c;
-}
-
-static wall_case copy_of(const wall_case *from) {
-    wall_case c = like(from, from->nx, from->ny, from->nz);
-    memcpy(c.full, from->full, plane_of(&c) * c.nz);
-    memcpy(c.first, from->first, plane_of(&c) * sizeof *c.first);
-    memcpy(c.end, from->end, plane_of(&c) * sizeof *c.end);
+/* A copy behind so many slices that were not scanned. */
+static wall_case copy_behind(const wall_case *from, uint32_t room) {
+    hs_error err = {0};
+    wall_case c;
+    assert_true(wall_case_room(from, room, &c, &err));
+    memcpy(c.full + plane_of(&c) * room, from->full, plane_of(&c) * from->nz);
+    for (size_t i = 0; i < plane_of(&c); i++) {
+        const uint32_t more = from->end[i] > from->first[i] ? room : 0;
+        c.first[i] = (uint16_t)(from->first[i] + more);
+        c.end[i] = (uint16_t)(from->end[i] + more);
+    }
     return c;
 }
 
@@ -75,7 +70,7 @@ static void test_moved_sideways(void **state) {
     double sum = 0.0, rays = 0.0;
     for (int n = 0; n < case_count; n++) {
         const wall_case *from = &cases[n];
-        wall_case c = copy_of(from);
+        wall_case c = copy_behind(from, 0);
         for (size_t i = plane_of(&c) * c.nz; i-- > 1;) /* to the right; the first column stays */
             if (i % c.nx > 0) c.full[i] = from->full[i - 1];
         for (size_t i = 0; i < plane_of(&c); i++)
@@ -102,13 +97,7 @@ static void test_room_in_front(void **state) {
     enum { ROOM = 8 };
     for (int n = 0; n < case_count; n++) {
         const wall_case *from = &cases[n];
-        wall_case c = like(from, from->nx, from->ny, from->nz + ROOM);
-        memcpy(c.full + plane_of(&c) * ROOM, from->full, plane_of(&c) * from->nz);
-        for (size_t i = 0; i < plane_of(&c); i++) {
-            const uint16_t room = from->end[i] > from->first[i] ? ROOM : 0;
-            c.first[i] = (uint16_t)(from->first[i] + room);
-            c.end[i] = (uint16_t)(from->end[i] + room);
-        }
+        wall_case c = copy_behind(from, ROOM);
         float *map = map_of(*state, from), *far = map_of(*state, &c);
         double sum = 0.0, rays = 0.0;
         for (size_t i = 0; i < plane_of(&c); i++) {
@@ -165,7 +154,7 @@ static void test_grey_levels(void **state) {
     for (int k = 0; k < ALL; k++) {
         double sum = 0.0;
         for (int n = 0; n < case_count; n++) {
-            wall_case c = copy_of(&cases[n]);
+            wall_case c = copy_behind(&cases[n], 0);
             if (k == SPECKLE) add_speckle(&c);
             if (k == BLUR) blur(&c);
             if (k < LEVELS) wall_case_change(&c, changes[k][0], changes[k][1], changes[k][2]);
@@ -214,9 +203,13 @@ static size_t pixel_below(const wall_case *from, const wall_case *c, size_t i) {
 }
 
 static wall_case resampled(const wall_case *from, const uint32_t n[3]) {
-    wall_case c = like(from, n[0], n[1], n[2]);
+    wall_case c = {.nx = n[0], .ny = n[1], .nz = n[2]};
+    c.full = calloc(plane_of(&c), c.nz);
+    c.first = calloc(plane_of(&c), sizeof *c.first);
+    c.end = calloc(plane_of(&c), sizeof *c.end);
+    assert_true(c.full && c.first && c.end);
     const double step[3] = {(double)from->nx / n[0], (double)from->ny / n[1], (double)from->nz / n[2]};
-    for (int k = 0; k < 3; k++) c.spacing_mm[k] *= step[k];
+    for (int k = 0; k < 3; k++) c.spacing_mm[k] = from->spacing_mm[k] * step[k];
     for (size_t i = 0; i < plane_of(&c); i++) {
         const size_t below = pixel_below(from, &c, i);
         c.first[i] = (uint16_t)ceil(from->first[below] / step[2]);

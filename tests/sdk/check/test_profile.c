@@ -176,25 +176,6 @@ static void rays_by_hand(void **state) {
             for (uint32_t s = 0; s < SPLITS; s++) check_table(*state, &tables[i], splits[s], strategy);
 }
 
-/* The narrowest vectors, in which a lone ray is handled apart. */
-static void one_ray_by_hand(void **state) {
-    const table one = {whole_steps, 1, 1, SV_NO_PADDING, 0.0};
-    for (uint32_t s = 0; s < SPLITS; s++) {
-        uint8_t volume[SLICES];
-        rig *r = *state;
-        memcpy(volume, whole_steps[0].voxels, SLICES);
-        const rig_format f = {
-            .width = 1, .height = 1, .slices = SLICES, .lengths = splits[s], .padding = SV_NO_PADDING};
-        const sv_param_value values[] = {{rig_param(r, "q"), 0, 1.5}};
-        rig_result out = rig_result_make(1, 1);
-        assert_int_equal(rig_run(r, &f, volume, values, 1, &out), SV_OK);
-        /* 7 + 1.5 (3 - 7) */
-        check_depth(&whole_steps[0], &one, (double)out.depth[0], 1.0, "1.5");
-        assert_int_equal(out.status[0], SV_POINT_INITIAL);
-        assert_int_equal(out.points.passes, 1);
-    }
-}
-
 /* The three modes find T_B from maxima that a person chose: 1, 2, 3, 4 rays of 250, 240, 230, 220. */
 static void thresholds_by_hand(void **state) {
     rig *r = *state;
@@ -289,5 +270,4 @@ static void evidence_by_hand(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(rays_by_hand), RIG_TEST(one_ray_by_hand), RIG_TEST(thresholds_by_hand),
-          RIG_TEST(evidence_by_hand))
+UNIT_MAIN(NULL, NULL, RIG_TEST(rays_by_hand), RIG_TEST(thresholds_by_hand), RIG_TEST(evidence_by_hand))
