@@ -52,6 +52,20 @@ bool hs_loop_maps(hs_loop *loop, uint32_t index, hs_maps *maps, hs_error *err) {
     return ok && hs_loop_read_maps(loop, index, &frame, maps, err);
 }
 
+void hs_maps_crop(hs_maps *maps, const hs_source *source) {
+    const hs_volume *volume = hs_source_shape(source);
+    const double wide = maps->camera.extent, half = 0.5 * maps->camera.depth_extent;
+    for (uint32_t i = 0; source->crop.used && i < maps->width * maps->height; i++) {
+        const uint32_t column = i % maps->width, row = i / maps->width;
+        const double x = ((column + 0.5) / maps->width - 0.5) * wide;
+        const double y = ((row + 0.5) / maps->height - 0.5) * wide;
+        double near[3], far[3];
+        hs_marks_place(volume, &maps->camera, (const double[3]){x, y, -half}, near);
+        hs_marks_place(volume, &maps->camera, (const double[3]){x, y, half}, far);
+        if (!hs_crop_meets(&source->crop, near, far)) maps->depth[i] = 0.0f;
+    }
+}
+
 bool hs_loop_pick(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_frame *frame, hs_camera *window,
                   uint32_t *steps, float *ends, hs_error *err) {
     hs_start_depths depths;
@@ -234,6 +248,7 @@ static bool render_truth(hs_loop *loop, uint32_t index, hs_view *view, hs_error 
 static bool run_frame(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     hs_maps maps;
     if (!hs_loop_maps(loop, index, &maps, err)) return false;
+    hs_maps_crop(&maps, loop->source);
     view->depth = maps.depth;
     view->status = maps.status;
     view->sure = maps.confidence;

@@ -27,6 +27,9 @@ bool hs_loop_maps(hs_loop *loop, uint32_t index, hs_maps *maps, hs_error *err);
  * the plugin was asked for them (hs_loop_want). The errors are the same. */
 bool hs_loop_read_maps(hs_loop *loop, uint32_t index, const hs_frame *frame, hs_maps *maps, hs_error *err);
 
+/* Takes the depths of rays that pass beside the source's box: there is nothing to remove. */
+void hs_maps_crop(hs_maps *maps, const hs_source *source);
+
 /* Where the rays of a picture end that `screen` draws of frame `index`, from where those of `frame` start
  * (NULL: the full volume): its settings say at which opacity. As many values as it has pixels, in steps, of
  * which a ray through the box of `window` has *steps. HS_ERR_DEVICE. */

@@ -108,14 +108,15 @@ typedef struct {
     const hs_maps *maps;
     hs_result_grid grid;
     bool mm;         /* lengths are; else nobody knows them */
-    bool *usable;    /* a pixel whose surface lies in the volume */
+    bool *usable;    /* a pixel whose surface lies in the volume, and in its box */
     int32_t *number; /* of its vertex, or NONE */
     hs_surface_size size;
 } surface;
 
 /* The index of a place of the map is what the map's place of an index is, turned round: the steps are at
  * right angles, so their transpose over their squared lengths does it. */
-static bool lies_in_volume(const voxel_to_map *t, const hs_volume *v, const double place[3]) {
+static bool lies_inside(const voxel_to_map *t, const hs_volume *v, const hs_crop *box,
+                        const double place[3]) {
     const double count[3] = {v->nx, v->ny, v->nz};
     double rest[3], scale[3];
     for (int k = 0; k < 3; k++) {
@@ -128,12 +129,14 @@ static bool lies_in_volume(const voxel_to_map *t, const hs_volume *v, const doub
         double index = 0;
         for (int k = 0; k < 3; k++)
             index += t->step[a][k] * rest[k] / (scale[k] * v->spacing[a] * v->spacing[a]);
-        if (!(index >= -0.5 && index <= count[a] - 0.5)) return false;
+        const double low = box->used ? fmax(box->low[a] / v->spacing[a], 0.0) : 0.0;
+        const double high = box->used ? fmin(box->high[a] / v->spacing[a], count[a] - 1.0) : count[a] - 1.0;
+        if (!(index >= low - 0.5 && index <= high + 0.5)) return false;
     }
     return true;
 }
 
-static void find_usable(surface *s, const hs_volume *volume) {
+static void find_usable(surface *s, const hs_volume *volume, const hs_crop *box) {
     voxel_to_map to_map;
     find_voxel_to_map(s->maps, volume, &to_map);
     for (uint32_t y = 0; y < s->maps->height; y++)
@@ -141,7 +144,7 @@ static void find_usable(surface *s, const hs_volume *volume) {
             const size_t i = (size_t)y * s->maps->width + x;
             const double place[3] = {x, y, (double)s->maps->depth[i]};
             s->usable[i] = s->maps->depth[i] > 0.0f && isfinite(s->maps->depth[i]) &&
-                           lies_in_volume(&to_map, volume, place);
+                           lies_inside(&to_map, volume, box, place);
         }
 }
 
@@ -223,7 +226,7 @@ static bool write_faces(const surface *s, hs_output_file *out, hs_error *err) {
 }
 
 bool hs_result_write_surface(const char *path, const hs_maps *maps, const hs_volume *volume,
-                             hs_surface_size *size, hs_error *err) {
+                             const hs_crop *box, hs_surface_size *size, hs_error *err) {
     const size_t rays = (size_t)maps->width * maps->height;
     surface s = {.maps = maps, .mm = !volume->spacing_unsaid};
     hs_output_file out;
@@ -233,7 +236,7 @@ bool hs_result_write_surface(const char *path, const hs_maps *maps, const hs_vol
     if (!ok) (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu pixels", path, rays);
     if (ok) {
         hs_result_grid_of(maps, volume, &s.grid);
-        find_usable(&s, volume);
+        find_usable(&s, volume, box);
         number_vertices(&s);
         ok = hs_output_open(&out, path, err);
     }

@@ -322,7 +322,8 @@ static bool write_surface(writing *w, uint32_t index) {
     char name[32], path[PATH_MAX];
     (void)snprintf(name, sizeof name, w->source->count > 1 ? "surface_%04u" : "surface", index);
     return file_path(w, name, ".ply", path) &&
-           hs_result_write_surface(path, &w->maps, hs_source_shape(w->source), &w->report->surface, w->err);
+           hs_result_write_surface(path, &w->maps, hs_source_shape(w->source), &w->source->crop,
+                                   &w->report->surface, w->err);
 }
 
 static bool write_volume(writing *w, uint32_t index) {
@@ -332,6 +333,7 @@ static bool write_volume(writing *w, uint32_t index) {
     w->report->clipped += w->maps.frame.clipped;
     if (w->mask) hs_result_mask(&w->maps, volume, w->mask);
     if (w->mask && w->source->crop.used) hs_crop_apply(&w->source->crop, volume, w->mask);
+    hs_maps_crop(&w->maps, w->source); /* behind the mask, which has depths between rays */
     return (!out[0] || write_depthmap(w, out[0])) && (!out[1] || write_confidence(w, out[1])) &&
            (!out[2] || hs_metaimage_stream_write(out[2], w->maps.status, rays)) &&
            (!out[3] || write_clipped(w, index, out[3])) &&

@@ -39,7 +39,7 @@ typedef struct {
  * HS_ERR_OUTPUT names the path; HS_ERR_MEMORY.
  */
 bool hs_result_write_surface(const char *path, const hs_maps *maps, const hs_volume *volume,
-                             hs_surface_size *size, hs_error *err);
+                             const hs_crop *box, hs_surface_size *size, hs_error *err);
 
 /* --- result_write.c: the files. */
 

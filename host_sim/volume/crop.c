@@ -31,6 +31,20 @@ bool hs_crop_check(const hs_crop *crop, const hs_volume *volume, hs_error *err) 
                    crop->low[1], crop->low[2], crop->high[0], crop->high[1], crop->high[2], volume->name);
 }
 
+bool hs_crop_meets(const hs_crop *crop, const double a[3], const double b[3]) {
+    double first = 0.0, last = 1.0;
+    for (int k = 0; k < 3; k++) {
+        const double way = b[k] - a[k], low = crop->low[k] - a[k], high = crop->high[k] - a[k];
+        if (fabs(way) < NOTHING) {
+            if (low > NOTHING || high < -NOTHING) return false;
+            continue;
+        }
+        first = fmax(first, fmin(low / way, high / way));
+        last = fmin(last, fmax(low / way, high / way));
+    }
+    return first <= last;
+}
+
 void hs_crop_apply(const hs_crop *crop, const hs_volume *volume, uint8_t *bytes) {
     uint32_t first[3], end[3];
     find_range(crop, volume, first, end);

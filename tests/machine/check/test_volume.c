@@ -236,6 +236,12 @@ static void a_box_keeps_what_lies_in_it(void **state) {
         for (uint32_t y = 0; y < 6; y++)
             for (uint32_t x = 0; x < 5; x++)
                 assert_int_equal(volume.voxels[(z * 6 + y) * 5 + x], x >= 1 && x <= 3 && y <= 2 && z >= 3);
+    const double a[3] = {0.2, 0.2, -1}, b[3] = {0.2, 0.2, 1}, c[3] = {0.2, 0.5, 1}, d[3] = {0.3, 0.2, 0.3},
+                 e[3] = {0.6, 0.2, 0.3};
+    assert_true(hs_crop_meets(&crop, a, b));  /* along an axis */
+    assert_true(hs_crop_meets(&crop, a, d));  /* through a corner */
+    assert_false(hs_crop_meets(&crop, a, c)); /* it leaves before it would come in */
+    assert_false(hs_crop_meets(&crop, c, e));
     const hs_crop none = {true, {0.11, 0, 0}, {0.19, 1, 1}};
     assert_false(hs_crop_check(&none, &volume, &err));
     assert_non_null(strstr(err.text, "holds no voxel"));
