@@ -81,6 +81,10 @@ def on_a_phone(b):
         settle(b, f"compare: {how}")
         wide, over = b.run(OVERPRINTED)
         holds(wide <= 390 and over == [], f"compare {how}: {wide} pixels wide, over each other: {over}")
+    b.run("toggleBox()")
+    rows = b.run("return [...document.querySelectorAll('.pair')].map((pair) => new Set([...pair.querySelectorAll('input')].map((i) => i.offsetTop)).size)")
+    b.run("toggleBox()")
+    holds(rows == [1, 1, 1], f"the two ends of a box's axis lie in {rows} rows")
     b.devtools("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
     wide, over = b.run(OVERPRINTED)
     holds(wide <= 1280 and over == [], f"{wide} pixels wide, over each other: {over}")
@@ -253,11 +257,31 @@ def a_view_comes_back(b):
     before = pixels(b, "truth")
     choose(b, "third", "depthmap")
     settle(b, "the depthmap")
-    legend = b.run("return [canvases.depthmap.figure.querySelector('.legend').innerText, lastFigures.source.depth_mm, lastFigures.source.window_mm]")
-    holds(legend[0].split("\n")[:2] == ["0 mm", f"{legend[1]:.0f} mm"] and 0 < legend[1] <= legend[2], f"the depthmap's legend: {legend}")
+    words, (near, far), ends = b.run("""const g = canvases.depthmap.canvas.getContext('2d'), d = g.getImageData(0, 0, 512, 512).data, off = [1e9, 1e9];
+        for (let i = 0; i < d.length; i += 4) [[0x44, 0x01, 0x54], [0xfd, 0xe7, 0x25]].forEach((end, k) => {
+            off[k] = Math.min(off[k], Math.hypot(...end.map((c, j) => c - d[i + j])));
+        });
+        return [canvases.depthmap.figure.querySelector('.legend').innerText, lastFigures.source.depth_mm, off]""")
+    holds(words.split("\n")[:2] == [f"{near:.0f} mm", f"{far:.0f} mm"] and 10 < near < far - 10 and far < 170, f"the depthmap's legend: {words}, {near}, {far}")
+    holds(max(ends) < 40, f"the picture does not reach both ends of the legend: {ends}")
     choose(b, "third", "truth")
     settle(b, "the ground truth again")
     holds(pixels(b, "truth") == before, f"the ground truth comes back as {pixels(b, 'truth')}")
+
+
+def gain_and_contrast(b):
+    """They change how slices look, nothing that is drawn, and are undone; a double click resets one."""
+    before = all_pixels(b)
+    b.drag("#gain", (0, 0), (20, 0))
+    b.run("setGrey('contrast', 2)")
+    look = "return [look.gain, getComputedStyle(canvases.across.canvas).filter, getComputedStyle(canvases.result.canvas).filter]"
+    gain, slices, result = b.run(look)
+    holds(gain > 1.5 and slices == f"brightness({gain:g}) contrast(2)" and result == "none", f"gain {gain}: {slices}, {result}")
+    b.wait_for("location.hash.includes('contrast=2')", "the address")
+    b.click("#undo")
+    b.run("at('gain').dispatchEvent(new MouseEvent('dblclick'))")
+    settle(b, "gain and contrast as they were")
+    holds(b.run(look)[:2] == [1, "brightness(1) contrast(1)"] and all_pixels(b) == before, f"reset: {b.run(look)}")
 
 
 def grey_is_told_where_it_is_shown(b):
@@ -383,6 +407,7 @@ def main():
         a_slow_host(b)
         what_is_doubtful_can_be_tried(work)
         a_view_comes_back(b)
+        gain_and_contrast(b)
         grey_is_told_where_it_is_shown(b)
         a_reactivation(b)
         a_plugin_nobody_wrote_controls_for(b, work)

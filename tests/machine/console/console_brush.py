@@ -3,6 +3,7 @@
 
 import math
 import os
+import struct
 import sys
 import zlib
 
@@ -284,6 +285,18 @@ def the_box(b, console, work):
         holds(mask == other.read(), "the command line's mask is another one")
     voxels, first = zlib.decompress(mask[mask.index(b"LOCAL\n") + 6:]), math.ceil(box[0] / 1.25)
     holds(max(voxels[i + 96 * j] for i in range(first) for j in range(96 * 96)) == 0 < max(voxels), "what lies beside the box is not removed")
+    with open(os.path.join(work, "out", "0002", "surface.ply"), "rb") as file:
+        head, _, data = file.read().partition(b"end_header\n")
+    vertices = list(struct.iter_unpack("<3f", data[:12 * int(head.split(b"element vertex ")[1].split()[0])]))
+    ends, now = [(min(axis), max(axis)) for axis in zip(*vertices, strict=True)], b.run("return state.box")
+    holds(len(vertices) > 500 and all(now[k] - 0.7 < low and high < now[k + 3] + 0.7 for k, (low, high) in enumerate(ends)), f"{len(vertices)} vertices of {ends} in {now}")
+    choose(b, "third", "depthmap")
+    settle(b, "the depthmap of a box")
+    grey = b.run("""const d = canvases.depthmap.canvas.getContext('2d').getImageData(0, 0, 512, 512).data;
+        return [(state.box[0] - 5), (state.box[0] + state.box[3]) / 2].map((mm) => { const i = 4 * (256 * 512 + Math.round(512 * mm / lastFigures.source.window_mm));
+            return Math.max(d[i], d[i + 1], d[i + 2]) - Math.min(d[i], d[i + 1], d[i + 2]); });""")
+    holds(grey[0] < 20 < grey[1], f"beside the box the depthmap is hatched, in it coloured: {grey}")
+    choose(b, "third", "truth")
     for size in ((390, 844), (1440, 1000)):
         width(b, *size)
         holds(b.run("return document.documentElement.scrollWidth") <= size[0], f"wider than {size[0]} pixels")

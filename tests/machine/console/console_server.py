@@ -65,6 +65,19 @@ def slow_sockets(console):
     page.close()
 
 
+def what_may_be_dropped(console):
+    """The console's own page with the token alone, by a name that is one in the folder of copies, and not more than there is room for."""
+    path = f"/drop?name=..%2F..%2Fa.mha&t={console.token}"
+    ours = f"Origin: http://{console.place}"
+    for at, origin, bytes_, sent, code, said in (
+            (path, "X-None: 1", 5, b"abcde", 403, b""), (path, "Origin: http://evil.example", 5, b"abcde", 403, b""), (path[:-1], ours, 5, b"abcde", 403, b""),
+            (path, ours, 0, b"", 411, b"The file is empty."), (path, ours, 3 << 30, b"", 413, b"2 GiB"), (path.replace(".mha", ".so"), ours, 5, b"abcde", 400, b"only .mha"),
+            (path, ours, 5, b"ab", 400, b"a.mha: did not come whole."), (path, ours, 5, b"abcde", 200, b"_._.._a.mha"), (path, ours, 5, b"abcde", 200, b"2_.._.._a.mha")):
+        head = f"POST {at} HTTP/1.1\r\nHost: {console.place}\r\n{origin}\r\nContent-Length: {bytes_}\r\n\r\n"
+        status, _, body = console.ask(head.encode() + sent)
+        holds(status == code and said in body, f"{head}: {status}, {body}")
+
+
 def pages_and_files(console):
     status, head, body = console.request("/?t=" + console.token)
     holds(status == 200 and b"<title>SmartVis console" in body, "the page does not come")
@@ -336,6 +349,7 @@ def one_console(work):
             messages_that_are_refused(page)
             states_that_cannot_be_shown(page, work)
             the_newest_state_wins(page)
+            what_may_be_dropped(console)
             frames_that_are_wrong(console, page)
             a_page_that_does_not_read(console)
             holds(page.show()["type"] == "frame", "the first page does not go on")

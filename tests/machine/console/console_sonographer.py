@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The console's page for who holds the probe: how the planes lie in the patient, and what can be done with a picture."""
 
+import base64
 import math
 import os
 import struct
@@ -8,8 +9,8 @@ import subprocess
 import sys
 import tempfile
 
-from console_client import holds
-from console_look import PATIENCE, a_page, choose, pixels, png_pixels, settle, until
+from console_client import Console, holds
+from console_look import PATIENCE, SUM, a_page, choose, pixels, png_pixels, settle, snapshot, until
 from webdriver import KEYS
 
 BUILD = sys.argv[1]
@@ -147,10 +148,85 @@ def presets(b):
     for i in (1, 2):
         b.click(f".presets button:nth-of-type({i})")
         settle(b, "a preset")
-        found.append((b.run("return state.lanes[0].values"), b.run("return [...document.querySelectorAll('.presets button')].map(b => b.ariaPressed)"),
+        found.append((b.run("return state.lanes[0].values"), b.run("return [...document.querySelectorAll('.presets button[aria-pressed]')].map(b => b.ariaPressed)"),
                       pixels(b, "result")))
     holds([one[:2] for one in found] == [({"q": 0.75}, ["true", "false"]), ({"q": 0.25, "unsure": 1}, ["false", "true"])], f"presets: {found}")
     holds(found[0][2] != found[1][2], "both presets give one picture")
+
+
+def own_presets(b, console):
+    """A preset under a name comes back on another page, whatever its port, and is refused by another plugin."""
+    b.keys(".presets input", "mine")
+    b.run("setValue(0, lanes[0].params.find(p => p.primary), 0.4, false)")
+    b.click(".presets button[title^=These]")
+    other = Console(BUILD, ["--plugin", os.path.join(BUILD, "tests", "plugins", "plane.so")])
+    try:
+        b.open(other.address + "#scene=D01,64,1")
+        settle(b, "the plane")
+        b.click(".presets button[title^=Saved]")
+        said = b.run("return at('notice').textContent")
+        holds("\"mine\" was saved with" in said and "does not fit" in said and b.run("return state.lanes[0].values") == {}, f"another plugin's preset: {said}")
+        choose(b, "plugin0", "1")
+        settle(b, "SmartVis")
+        b.click(".presets button[title^=Saved]")
+        settle(b, "the preset")
+        holds(b.run("return state.lanes[0].values") == {"q": 0.4, "unsure": 1}, "the preset is another one")
+        b.click(".presets button[title^='The preset']")
+        holds(b.run("return [document.querySelectorAll('.presets button').length, ownPresets()]") == [4, {}], "the preset is not deleted")
+    finally:
+        b.open(console.address + "#scene=D01,64,3")
+        settle(b, "three volumes")
+        other.interrupt()
+        other.wait(60)
+        other.end()
+
+
+def a_cine(b, work):
+    """Cancelled, it leaves the camera as it was; of the volumes, its pictures are those of the volumes."""
+    b.run("at('with-caption').checked = false; at('snapshot-view').value = 'result'; delete document.body.dataset.snapshot")
+    b.click("#cine")
+    b.wait_for("at('written').textContent === 'Cine: picture 3 of 36'", "a third picture")
+    b.click("#cine")
+    b.wait_for("at('cine').textContent === 'Save a cine'", "the end of a cancelled cine")
+    settle(b, "the first camera")
+    holds(b.run("return [state.camera.yaw, at('written').textContent, document.body.dataset.snapshot || '']") == [0, "Cine: cancelled", ""], "it is not cancelled")
+    b.run("at('cine-of').value = 'volumes'")
+    b.click("#cine")
+    size = int(b.wait_for("document.body.dataset.snapshot", "a cine"))
+    path, seen = os.path.join(work, "smartvis_D01_result_cine.png"), []
+    until(lambda: os.path.exists(path) and os.path.getsize(path) == size, PATIENCE, "its file")
+    with open(path, "rb") as file:
+        data = base64.b64encode(file.read()).decode()
+    for i in range(3):
+        b.run("state.play.index = arguments[0]; changed(false)", i)
+        settle(b, f"volume {i}")
+        b.run("delete document.body.dataset.snapshot")
+        seen.append(snapshot(b, work))
+    found = b.run(SUM + """const decoder = new ImageDecoder({ data: Uint8Array.from(atob(arguments[0]), (c) => c.charCodeAt(0)), type: 'image/png' });
+        const sumOf = ({ image }) => { const c = new OffscreenCanvas(image.codedWidth, image.codedHeight); c.getContext('2d').drawImage(image, 0, 0); return sum(c); };
+        return decoder.completed.then(() => Promise.all([0, 1, 2].map((frameIndex) => decoder.decode({ frameIndex }).then(sumOf))))
+            .then((sums) => [decoder.tracks.selectedTrack.frameCount, sums]);""", data)
+    holds(found == [3, seen] and len(set(seen)) == 3, f"{found}, and one by one {seen}")
+
+
+def drop(b, *paths):
+    data = {"items": [], "files": list(paths), "dragOperationsMask": 1}
+    for kind in ("dragEnter", "dragOver", "drop"):
+        b.devtools("Input.dispatchDragEvent", type=kind, x=200, y=300, data=data)
+
+
+def dropped_files(b, scans):
+    """A volume that is dropped is copied and opened; whatever else is dropped, the page stays and says why not."""
+    scan = os.path.join(scans, "D01_full.mha")
+    for i, path in enumerate(("D01_full.mha", "2_D01_full.mha")):
+        drop(b, scan)
+        b.wait_for(f"state.source.path === '{path}'", "a dropped file")
+        settle(b, "a dropped file")
+        holds(b.run("return [lastFigures.of.source.folder, lastFigures.source.voxels, at('source').value]") == [1, [64, 64, 64], f"file 1 {path}"], f"{i}: another volume")
+    for paths, words in (((__file__,), "only .mha and .vol can be dropped"), ((scan, scan), "Drop one file"), ((os.path.join(scans, "bad.mha"),), "bad.mha:1: ")):
+        drop(b, *paths)
+        b.wait_for(f"at('notice').textContent.includes('{words}')", words)
+    holds(b.run("return [location.pathname, at('notice').textContent.includes('host_sim_console')]") == ["/", False], "the page has gone, or tells where copies lie")
 
 
 def taken_away(b, work):
@@ -165,7 +241,11 @@ def taken_away(b, work):
 def main():
     with tempfile.TemporaryDirectory() as scans:
         make_scans(scans)
-        with a_page(BUILD, "#file=0:lying.mha", [scans]) as (b, _console, work):
+        copies = os.environ["TMPDIR"] = os.path.join(scans, ".copies")
+        os.mkdir(copies)
+        with open(os.path.join(scans, "bad.mha"), "w") as file:
+            file.write("no volume")
+        with a_page(BUILD, "#file=0:lying.mha", [scans]) as (b, console, work):
             planes_lie_in_the_patient(b)
             distances(b)
             several_distances_are_kept(b)
@@ -173,6 +253,12 @@ def main():
             one_volume_stands_still(b)
             presets(b)
             taken_away(b, work)
+            own_presets(b, console)
+            a_cine(b, work)
+            dropped_files(b, scans)
+            folder = [name for name in os.listdir(copies) if name.startswith("host_sim_console_")]
+            holds(len(folder) == 1 and len(os.listdir(os.path.join(copies, folder[0]))) == 3, f"copies: {folder}")
+        holds(not [name for name in os.listdir(copies) if name.startswith("host_sim_console_")], "the copies outlive the console")
     print("ok")
 
 

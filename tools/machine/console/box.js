@@ -78,9 +78,10 @@ function toggleBox() {
 }
 
 function buildBox() {
-  at("box-bar").append(...[0, 3, 1, 4, 2, 5].map((side) => {
+  const [low, high] = [[0, 1, 2], [3, 4, 5]].map((sides) => sides.map((side) => {
     const input = make("input", { type: "number", step: "0.1", "data-side": String(side), "aria-label": "Box, " + "xyz"[side % 3] + (side < 3 ? " from" : " to") });
     input.addEventListener("change", () => { if (Number.isFinite(input.valueAsNumber)) setSide(side, input.valueAsNumber, false); });
     return make("label", {}, make("span", { text: side < 3 ? "xyz"[side] : "–" }), input);
   }));
+  at("box-bar").append(...low.map((label, axis) => make("span", { class: "pair" }, label, high[axis])));
 }

@@ -2,11 +2,10 @@
 /* The brush: marks that take away what a picture shows, or bring back what was cut. */
 "use strict";
 
-const MARKS_MAX = 64; /* HS_MARKS_MAX */
 const CLICK_PIXELS = 5; /* a finger that moves less has clicked */
 
-/* `asked`: the mark whose place the console is looking for; the others wait, as each may change what is seen. */
-const brush = { on: "", queue: [], asked: null, stroke: null };
+/* `asked`: the mark whose place the console is looking for; the others wait, as each may change what is seen. `most`: so many there may be. */
+const brush = { on: "", most: 0, queue: [], asked: null, stroke: null };
 
 /* Which result is under the pointer. Something is removed from a result only; the full volume shows what to keep, too. */
 function brushedView(view, right) {
@@ -21,16 +20,16 @@ function placeOn(screen, event) {
 
 function putMark(view, place) {
   const of = brushedView(view, place[0]);
-  if (!of || !lastFigures) return;
+  if (!of || !lastFigures || cine.on) return;
   brush.queue.push({ type: "do", what: "mark", view: of, at: place, radius: Number(at("radius").value), keep: brush.on === "keep" });
   askForMark();
 }
 
 function askForMark() {
   if (brush.asked || !brush.queue.length) return;
-  if (state.marks.length >= MARKS_MAX) {
+  if (state.marks.length >= brush.most) {
     brush.queue = [];
-    notice("All " + MARKS_MAX + " marks are used. Undo or clear some.", true);
+    notice("All " + brush.most + " marks are used. Undo or clear some.", true);
     return;
   }
   brush.asked = { source: JSON.stringify(state.source) };
@@ -72,8 +71,13 @@ function drawMarks() {
     viewOf(view).marks.replaceChildren(...marks.map(([cx, cy, r, keep]) => svg("circle", { cx, cy, r, class: keep ? "keep" : "remove" })));
   const how = { remove: "Remove: click or paint on the result what hides the fetus.", keep: "Keep: click where something was cut, or on the full volume.",
     lamp: "Lamp: a drag on a picture moves the light.", "": "Remove and Keep paint on the pictures; Lamp moves their light." };
-  at("brushed").textContent = how[brush.on] + (paints ? " " + state.marks.length + " of " + MARKS_MAX + " marks." : "");
+  at("brushed").textContent = how[brush.on] + (paints ? " " + state.marks.length + " of " + brush.most + " marks." : "");
   at("clear-marks").disabled = !state.marks.length;
+}
+
+function setRadius(mm) {
+  at("radius").value = String(mm);
+  at("radius-text").textContent = mm + " mm";
 }
 
 function chooseBrush(on) {

@@ -9,13 +9,14 @@ function cameraWords({ yaw, pitch, roll, zoom }) {
   return turned.concat(zoom === 1 ? [] : ["zoom " + zoom.toFixed(2)]).join(", ") || "straight from the probe";
 }
 
-/* What the frame is of, how it is seen (the state that it was asked for in), what came of it, what was measured. */
-function wordsOf(view, asked) {
+/* What the frame is of, how it is seen (the state that it was asked for in), what came of it, what was measured. `moves`: it is
+ * the first of several, in which that may differ. */
+function wordsOf(view, asked, moves) {
   const param = lanes[0].params.find((p) => p.primary), shown = lastFigures;
   return [
     nameOfSource(shown.of.source) + (shown.source.volumes > 1 ? ", volume " + (shown.index + 1) : "") + "; " + new Date().toLocaleString("sv"),
-    (view ? TITLES[view] + ", " : "") + cameraWords(asked.camera) + (param ? "; " + param.label + " " + short(asked.lanes[0].values[param.key] ?? param.default) : ""),
-    ...shown.lanes.map((lane) => lane.words),
+    (view ? TITLES[view] + ", " : "") + (moves ? moves + " from: " : "") + cameraWords(asked.camera) + (param ? "; " + param.label + " " + short(asked.lanes[0].values[param.key] ?? param.default) : ""),
+    ...(moves ? [] : shown.lanes.map((lane) => lane.words)),
     ...(shown.source.doubt ? [shown.source.doubt] : []),
     ...measurements(),
     "SmartVis, for research, not a medical device",
@@ -46,12 +47,12 @@ function broken(g, text, width) {
 }
 
 /* The picture as it came, and below it the words and a scale. */
-async function captioned(view, blob, asked) {
+async function captioned(blob, words) {
   const image = await createImageBitmap(blob), canvas = make("canvas", { width: image.width, height: image.height });
   const line = Math.max(11, Math.round(image.width * LINE_SHARE)), g = canvas.getContext("2d");
   const font = line * 0.8 + "px system-ui, sans-serif";
   g.font = font;
-  const lines = wordsOf(view, asked).flatMap((text) => broken(g, text, image.width - line));
+  const lines = words.flatMap((text) => broken(g, text, image.width - line));
   canvas.height += line * (lines.length + 2.5);
   g.fillRect(0, 0, canvas.width, canvas.height);
   g.drawImage(image, 0, 0);

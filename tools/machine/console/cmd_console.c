@@ -122,6 +122,7 @@ static void wait_for_end(hs_console_server *server, bool stay) {
 static bool serve(console_line *line, hs_error *err) {
     char address[256];
     if (!offer_plugins(line, err)) return false;
+    hs_console_drop_open(&line->shared.files);
     watch_signals();
     hs_console_server *server = hs_console_server_open(&line->shared, &line->address, err);
     if (!server) return false;
@@ -144,6 +145,7 @@ int hs_cmd_console(int argc, char **argv) {
         print_help();
     else
         ok = ok && serve(&line, &err);
+    hs_console_drop_close(&line.shared.files);
     hs_console_files_free(&line.shared.files);
     return ok ? HS_OK : hs_cli_fail("console", &err);
 }

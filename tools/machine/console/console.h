@@ -4,6 +4,7 @@
 #define HS_CONSOLE_H
 
 #include "base/error.h"
+#include "console/served_files.h"
 #include "guarded/guarded.h"
 #include "loop/loop.h"
 #include "loop/screen.h"
@@ -25,7 +26,6 @@ enum {
     HS_CONSOLE_KEY = 64,      /* bytes of a parameter's key */
     HS_CONSOLE_VALUES = 96,   /* parameters of a lane */
     HS_CONSOLE_LANES = 2,     /* settings side by side */
-    HS_CONSOLE_PATH = 1024,   /* bytes of a file's path in its folder */
     HS_CONSOLE_PICTURE = 1024 /* pixels of a picture's side, at most; 16 at least */
 };
 
@@ -148,34 +148,6 @@ bool hs_console_offer_library(hs_console_offers *offers, const char *library, hs
  * same. */
 bool hs_console_offer_ours(hs_console_offers *offers, hs_error *err);
 
-/* ----------------------------------------------------------------------------------------------- files -- */
-/* The volumes in the folders of the command line, and nothing outside them. */
-
-enum { HS_CONSOLE_FOLDERS = 16, HS_CONSOLE_FILES = 500, HS_CONSOLE_DEPTH_OF_FOLDERS = 4 };
-
-/* The folders by their real paths. Zeroed: none. */
-typedef struct {
-    char *folder[HS_CONSOLE_FOLDERS];
-    uint32_t count;
-} hs_console_files;
-
-/* Adds a folder. HS_ERR_INPUT if there is none of that name, HS_ERR_USAGE beyond HS_CONSOLE_FOLDERS. */
-bool hs_console_files_add(hs_console_files *files, const char *folder, hs_error *err);
-void hs_console_files_free(hs_console_files *files);
-
-/* Called for every volume, by its path in folder `folder`, in the order of the names; false ends the list. */
-typedef bool (*hs_console_file_fn)(void *context, uint32_t folder, const char *path);
-
-/* Lists volumes: files that end in .mha, .mhd or .vol and are no labels or depths of a scene,
- * HS_CONSOLE_FILES at most, HS_CONSOLE_DEPTH_OF_FOLDERS folders deep. What a symbolic link leads to outside
- * its folder is left out. */
-void hs_console_files_list(const hs_console_files *files, hs_console_file_fn tell, void *context);
-
-/* The real path of a listed file. HS_ERR_INPUT if there is no such folder, no such file, or if it lies
- * outside, by ".." or by a symbolic link, or is no volume's. */
-bool hs_console_files_find(const hs_console_files *files, uint32_t folder, const char *path, char *out,
-                           size_t bytes, hs_error *err);
-
 /* ---------------------------------------------------------------------------------------------- shared -- */
 /* What all pages of a console share, and how anything gets to one of them. */
 
@@ -286,6 +258,7 @@ typedef struct {
     uint64_t scene_epoch;    /* counts what changes every picture: volume, camera, renderer */
     uint64_t clip_epoch;     /* counts frames of the lanes */
     double source_ms;        /* that opening the source took */
+    double depth_mm[2];      /* that the depthmap's colours run over; 0, 0: it has no surface */
 } hs_console_stage;
 
 /* Opens the device. `offers` and `files` must outlive it. HS_ERR_DEVICE. The stage must not move in

@@ -1,10 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A page that is open. A thread of its own holds the page's stage and draws; who receives its messages only
- * leaves the newest state for it, in a mailbox with one place. So there is never a queue: what is older than
- * the newest state is never drawn. Frames go out only while the page keeps up: two may be under way that it
- * has not said it has painted.
- */
 #include "console/console.h"
 
 #include "base/progress.h"

@@ -95,6 +95,10 @@ char *hs_console_reply_hello(const hs_console_offers *offers, const hs_console_f
     put(root, "files", list);
     put(root, "places", places);
     put(root, "plugins", plugins(offers));
+    put(root, "drop",
+        json_pack("{s:i, s:I}", "folder", (int)files->count - 1, "most",
+                  (json_int_t)(files->drops ? HS_CONSOLE_DROP_BYTES : 0)));
+    put(root, "marks", json_pack("{s:i, s:f}", "most", HS_MARKS_MAX, "radius", HS_MARK_RADIUS));
     put(root, "render",
         json_pack("{s:s, s:[f, f], s:f, s:f, s:f, s:f, s:f, s:f}", "look", hs_look_key(HS_LOOK_LIT), "light",
                   (double)usual.light[0], (double)usual.light[1], "t_low", (double)usual.threshold_low,
@@ -277,11 +281,11 @@ static json_t *source_part(const hs_console_stage *stage) {
     float share;
     hs_loop_window(stage->lane[0].loop, stage->index, &window, &share);
     json_t *one =
-        json_pack("{s:o, s:o, s:i, s:[i, i, i], s:[i, i, i], s:f, s:f, s:b, s:b, s:f}", "name",
+        json_pack("{s:o, s:o, s:i, s:[i, i, i], s:[i, i, i], s:f, s:[f, f], s:b, s:b, s:f}", "name",
                   hs_json_text(v->name), "title", hs_json_text(stage->source.title), "volumes",
                   (int)stage->source.count, "voxels", (int)v->nx, (int)v->ny, (int)v->nz, "slabs",
                   (int)l->width, (int)l->height, (int)l->slices, "window_mm", window.extent, "depth_mm",
-                  window.extent * fmin(1.0, 1.0 / (double)share), "truth", stage->truth != NULL, "truth_cut",
+                  stage->depth_mm[0], stage->depth_mm[1], "truth", stage->truth != NULL, "truth_cut",
                   hs_truth_shows_cut(stage->lane[0].loop, stage->screen_dvr.look, stage->index), "opened_ms",
                   stage->source_ms);
     put_directions(one, &window, v);

@@ -107,7 +107,9 @@ struct hs_console_server {
     pthread_mutex_t lock; /* of what follows, and held until the server has started */
     uint32_t port;
     uint32_t pages, ever;
-    uint64_t turns; /* connections so far */
+    uint64_t turns;   /* connections so far */
+    uint64_t dropped; /* bytes that pages have dropped */
+    bool dropping;
     guest guests[SERVED];
 };
 
@@ -212,6 +214,52 @@ static bool is_for_us(hs_console_server *server, const struct mg_connection *c) 
     return hs_console_host_is_ours(mg_get_header(c, "Host"), server->loopback);
 }
 
+/* Whether the page of the request is this server's, and has the token. */
+static bool is_our_page(const hs_console_server *server, const struct mg_connection *c) {
+    return hs_console_origin_is_ours(mg_get_header(c, "Origin"), mg_get_header(c, "Host")) &&
+           hs_console_token_fits(mg_get_request_info(c)->query_string, server->token);
+}
+
+static int receive(void *connection, void *out, size_t bytes) {
+    return mg_read(connection, out, bytes);
+}
+
+/* One at a time, and no more than there is room for. A page may be slow: its place is not given up. */
+static bool begin_drop(hs_console_server *server, const struct mg_connection *c, uint64_t bytes) {
+    (void)pthread_mutex_lock(&server->lock);
+    const bool ok = !server->dropping && bytes <= HS_CONSOLE_DROP_BYTES - server->dropped;
+    guest *one = guest_of(server, c);
+    if (ok && one) one->connection = NULL;
+    server->dropping |= ok;
+    (void)pthread_mutex_unlock(&server->lock);
+    return ok;
+}
+
+static void end_drop(hs_console_server *server, uint64_t bytes) {
+    (void)pthread_mutex_lock(&server->lock);
+    server->dropping = false;
+    server->dropped += bytes;
+    (void)pthread_mutex_unlock(&server->lock);
+}
+
+/* A volume that was dropped on a page. Answers with its path in the folder of such files. */
+static int take_drop(hs_console_server *server, struct mg_connection *c,
+                     const struct mg_request_info *request) {
+    char given[512], name[HS_CONSOLE_PATH];
+    hs_error err = {0};
+    const uint64_t bytes = request->content_length > 0 ? (uint64_t)request->content_length : 0;
+    const char *query = request->query_string ? request->query_string : "";
+    if (!is_our_page(server, c)) return refuse(c, 403, "Only the console's own page may drop a file.");
+    if (mg_get_var(query, strlen(query), "name", given, sizeof given) < 1)
+        return refuse(c, 400, "A file has a name.");
+    if (bytes == 0) return refuse(c, 411, "The file is empty.");
+    if (!begin_drop(server, c, bytes))
+        return refuse(c, 413, "The console takes one file at a time, and 2 GiB of them until it ends.");
+    const bool ok = hs_console_drop_take(&server->shared->files, given, bytes, receive, c, name, &err);
+    end_drop(server, ok ? bytes : 0);
+    return ok ? answer(c, 200, "text/plain", name, strlen(name)) : refuse(c, 400, err.text);
+}
+
 /* Every request, before anything else looks at it. 0: it goes on to the WebSocket. */
 static int begin_request(struct mg_connection *c) {
     hs_console_server *server = mg_get_user_data(mg_get_context(c));
@@ -221,6 +269,8 @@ static int begin_request(struct mg_connection *c) {
         return refuse(c, 403, "This console is reached by the address that it printed.\n");
     if (strstr(uri, "%00") || (request->query_string && strstr(request->query_string, "%00")))
         return refuse(c, 400, "An address has no zero bytes.\n");
+    if (strcmp(request->request_method, "POST") == 0 && strcmp(uri, "/drop") == 0)
+        return take_drop(server, c, request);
     if (strcmp(request->request_method, "GET") != 0 && strcmp(request->request_method, "HEAD") != 0)
         return refuse(c, 405, "Only GET and HEAD.\n");
     if (strcmp(uri, "/live") == 0) return 0;
@@ -245,10 +295,7 @@ static bool send_to_page(void *connection, bool binary, const uint8_t *data, siz
 /* 0 lets the page in. */
 static int connect_page(const struct mg_connection *c, void *context) {
     hs_console_server *server = context;
-    if (!is_for_us(server, c) ||
-        !hs_console_origin_is_ours(mg_get_header(c, "Origin"), mg_get_header(c, "Host")) ||
-        !hs_console_token_fits(mg_get_request_info(c)->query_string, server->token))
-        return 1;
+    if (!is_for_us(server, c) || !is_our_page(server, c)) return 1;
     (void)pthread_mutex_lock(&server->lock);
     const bool full = server->pages == MAX_PAGES;
     if (!full) {

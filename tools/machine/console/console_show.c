@@ -124,22 +124,35 @@ static bool draw_slice(hs_console_stage *stage, hs_slice_plane plane, const hs_m
     return ok;
 }
 
-/* Depths in viridis, over the depths that the slices show; what clips nothing is hatched. */
+/* The map's depth at a pixel of a picture with `size` of them a side; negative: it lies beside the map. */
+static double depth_at(const hs_maps *maps, double share, uint32_t size, uint32_t pixel) {
+    const uint32_t column = pixel % size, row = pixel / size;
+    const double u = 0.5 + ((column + 0.5) / size - 0.5) * share,
+                 v = 0.5 + ((row + 0.5) / size - 0.5) * share;
+    if (u < 0.0 || u >= 1.0 || v < 0.0 || v >= 1.0) return -1.0;
+    return (double)maps->depth[(size_t)(v * maps->height) * maps->width + (size_t)(u * maps->width)];
+}
+
+/* Depths in viridis, over those that are seen; what clips nothing is hatched. */
 static bool draw_depthmap(hs_console_stage *stage, const hs_maps *maps, hs_picture *out, hs_error *err) {
     const uint32_t size = stage->screen_dvr.width;
-    const double share = window_share(stage);
+    const double share = window_share(stage), mm = maps->camera.depth_extent / maps->slices;
+    double low = INFINITY, high = 0.0;
     if (!hs_picture_init(out, size, size, HS_COLOUR_BACKGROUND, err)) return false;
-    for (uint32_t j = 0; j < size; j++)
-        for (uint32_t i = 0; i < size; i++) {
-            const double u = 0.5 + ((i + 0.5) / size - 0.5) * share,
-                         v = 0.5 + ((j + 0.5) / size - 0.5) * share;
-            if (u < 0.0 || u >= 1.0 || v < 0.0 || v >= 1.0) continue;
-            const size_t at = (size_t)(v * maps->height) * maps->width + (size_t)(u * maps->width);
-            const double depth = (double)maps->depth[at];
-            const uint32_t nothing = (i + j) / 6 % 2 ? HS_COLOUR_NOTHING_A : HS_COLOUR_NOTHING_B;
-            const double t = ((depth + 0.5) / maps->slices - 0.5) / fmin(share, 1.0) + 0.5;
-            out->pixels[(size_t)j * size + i] = depth > 0.0 ? hs_colour_viridis(t) : nothing;
-        }
+    for (uint32_t p = 0; p < size * size; p++) {
+        const double depth = depth_at(maps, share, size, p);
+        low = depth > 0.0 ? fmin(low, depth) : low;
+        high = fmax(high, depth);
+    }
+    for (uint32_t p = 0; p < size * size; p++) {
+        const double depth = depth_at(maps, share, size, p);
+        const uint32_t nothing = (p % size + p / size) / 6 % 2 ? HS_COLOUR_NOTHING_A : HS_COLOUR_NOTHING_B;
+        if (depth >= 0.0)
+            out->pixels[p] =
+                depth > 0.0 ? hs_colour_viridis((depth - low) / fmax(high - low, 1e-9)) : nothing;
+    }
+    stage->depth_mm[0] = high > 0.0 ? (low + 0.5) * mm : 0.0;
+    stage->depth_mm[1] = high > 0.0 ? (high + 0.5) * mm : 0.0;
     return true;
 }
 
@@ -147,6 +160,7 @@ static bool draw_map(hs_console_stage *stage, hs_console_view view, hs_picture *
     hs_maps maps;
     if (!hs_loop_read_maps(stage->lane[0].loop, stage->index, &stage->lane[0].frame, &maps, err))
         return false;
+    if (view == HS_CONSOLE_DEPTH) hs_maps_crop(&maps, &stage->source);
     const bool ok = view == HS_CONSOLE_DEPTH
                         ? draw_depthmap(stage, &maps, out, err)
                         : draw_slice(stage, (hs_slice_plane)(view - HS_CONSOLE_ACROSS), &maps, out, err);
@@ -293,7 +307,7 @@ static void leave_out(char *text, const char *folder) {
  * lies is not its business. */
 static bool refuse(const hs_console_show *show, const hs_error *err) {
     hs_error told = *err;
-    for (uint32_t i = 0; i < show->shared->files.count; i++)
+    for (uint32_t i = show->shared->files.count; i-- > 0;) /* the last may lie in another */
         leave_out(told.text, show->shared->files.folder[i]);
     leave_out(told.text, show->shared->out);
     return say(show, hs_console_reply_text("refused", told.text));

@@ -150,51 +150,11 @@ function forgetConsent() {
   });
 }
 
-/* What one may start from, by keys of SmartVis; other plugins that have them all may, too. */
-const PRESETS = [
-  ["Careful", "More stays in front of the fetus; nothing is removed where fluid is doubtful", { q: 0.75, unsure: "keep" }],
-  ["Clear view", "Removes all it can, also where fluid is doubtful", { q: 0.25, unsure: "clip" }],
-];
-
-/* The values of a preset that are no defaults; null if the plugin does not have all of them. */
-function presetValues(lane, preset) {
-  const values = {};
-  for (const [key, wanted] of Object.entries(preset)) {
-    const param = lanes[lane].params.find((p) => p.key === key);
-    const value = typeof wanted === "string" ? param?.names?.find((n) => n.name === wanted)?.value : wanted;
-    if (!param || value === undefined) return null;
-    if (value !== param.default) values[key] = value;
-  }
-  return values;
-}
-
-function presetButtons(lane) {
-  const box = make("p", { class: "presets", role: "group", "aria-label": "Start from" });
-  for (const [text, title, preset] of PRESETS) {
-    const values = presetValues(lane, preset);
-    if (!values) return [];
-    const button = make("button", { type: "button", text, title });
-    button.addEventListener("click", () => {
-      state.lanes[lane].values = { ...values };
-      refreshControls(lane);
-      changed(false);
-    });
-    lanes[lane].presets.push([button, values]);
-    box.append(button);
-  }
-  box.prepend(make("span", { text: "Start from" }));
-  return [box];
-}
-
-function sameValues(a, b) {
-  return Object.keys(a).length === Object.keys(b).length && Object.keys(a).every((key) => a[key] === b[key]);
-}
-
 function laneBox(lane) {
   const own = lanes[lane].params.filter((p) => !p.primary);
   const box = make("div", { class: "lane" });
   if (state.lanes.length > 1) box.append(make("h2", { text: "Settings " + "12"[lane] }));
-  box.append(make("label", {}, make("span", { text: "Plugin" }), pluginPicker(lane)), ...presetButtons(lane));
+  box.append(make("label", {}, make("span", { text: "Plugin" }), pluginPicker(lane)), presetBox(lane));
   box.append(groupsOf(lane, own.filter((p) => !p.expert)));
   const expert = own.filter((p) => p.expert);
   if (expert.length) box.append(make("details", {}, make("summary", { text: "Advanced" }), groupsOf(lane, expert)));

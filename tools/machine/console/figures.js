@@ -103,7 +103,7 @@ function showSource(source, index) {
   if (state.play.on) state.play.index = index;
   slider.value = String(index);
   document.getElementById("index-text").textContent = index + 1 + " / " + source.volumes;
-  document.getElementById("player").hidden = source.volumes < 2;
+  at("player").hidden = at("cine-of").hidden = source.volumes < 2;
 }
 
 /* Drafts as large as the console draws them in the time of a picture: 20 a second, and a little more. */

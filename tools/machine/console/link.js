@@ -7,7 +7,7 @@ const VIEW_NAMES = ["result", "full", "truth", "depthmap", "across", "along", "d
 const REST_MS = 180; /* without a change, and drafts become pictures */
 const LATE_MS = 400; /* without a frame, and the pictures are behind their controls */
 
-const link = { socket: null, waiting: false, rest: 0, late: 0, bitmaps: new Map(), retry: 500, chain: Promise.resolve() };
+const link = { hello: null, socket: null, waiting: false, rest: 0, late: 0, bitmaps: new Map(), retry: 500, chain: Promise.resolve() };
 
 /* Sends the state before the screen's next picture. `hurried`: a hand is on it, so drafts will do. */
 function changed(hurried) {
@@ -66,7 +66,7 @@ function takePicture(buffer) {
   const serial = header.getUint32(16, true);
   const type = kind === 1 ? "image/png" : "image/jpeg";
   const blob = new Blob([new Uint8Array(buffer, HEADER_BYTES)], { type });
-  if (kind === 1) link.chain = link.chain.then(() => savePicture(view, blob)); /* behind its frame, which names the source */
+  if (kind === 1) link.chain = link.chain.then(() => (cine.take || savePicture.bind(null, view))(blob)); /* behind its frame, which names the source */
   else link.bitmaps.set(view, { frame, serial, bitmap: createImageBitmap(blob) });
 }
 
@@ -98,6 +98,7 @@ function takeText(text) {
   } else if (text.type === "refused") {
     notice(text.text, false);
     takeMark(null);
+    stopCine();
     document.body.dataset.refused = text.text;
   } else if (text.type === "marked") {
     takeMark(text.mark);
@@ -106,15 +107,19 @@ function takeText(text) {
   }
 }
 
+function token() {
+  return new URLSearchParams(location.search).get("t") || "";
+}
+
 function connect() {
-  const token = new URLSearchParams(location.search).get("t") || "";
-  const socket = new WebSocket("ws://" + location.host + "/live?t=" + encodeURIComponent(token));
+  const socket = new WebSocket("ws://" + location.host + "/live?" + new URLSearchParams({ t: token() }));
   socket.binaryType = "arraybuffer";
   socket.onmessage = (event) => {
     if (typeof event.data === "string") takeText(JSON.parse(event.data));
     else takePicture(event.data);
   };
   socket.onclose = () => {
+    stopCine();
     notice("The console has ended, or cannot be reached. Its address holds a token that changes with every start.", false);
     link.retry = Math.min(link.retry * 2, 8000);
     setTimeout(connect, link.retry);

@@ -166,9 +166,12 @@ function askForPicture() {
 }
 
 async function savePicture(view, picture) {
-  const blob = at("with-caption").checked ? await captioned(view, picture, asked) : picture;
+  save(at("with-caption").checked ? await captioned(picture, wordsOf(view, asked)) : picture, view);
+}
+
+function save(blob, what) {
   const { scene, path } = lastFigures.of.source;
-  const name = [scene || path.split("/").pop(), view].join("_").replace(/[^\w.-]/g, "_") + ".png";
+  const name = [scene || path.split("/").pop(), what].join("_").replace(/[^\w.-]/g, "_") + ".png";
   const link_ = make("a", { href: URL.createObjectURL(blob), download: "smartvis_" + name });
   document.body.dataset.snapshot = blob.size;
   link_.click();
@@ -189,9 +192,14 @@ async function copyFrom(field) {
 
 function takeHello(hello) {
   link.retry = 500;
+  link.hello = hello;
   plugins = hello.plugins;
+  brush.most = hello.marks.most;
   fillSources(hello);
-  if (!document.body.dataset.ready) readAddress(hello);
+  if (!document.body.dataset.ready) {
+    readAddress(hello);
+    setRadius(hello.marks.radius);
+  }
   document.body.dataset.ready = "yes";
   lanes.forEach((lane) => { lane.params = []; });
   at("snapshot-view").replaceChildren(...VIEW_NAMES.map((view) => make("option", { value: view, text: TITLES[view] })));
@@ -206,6 +214,7 @@ function showSettings() {
   at("compare").value = look.compare;
   at("wipe").value = String(look.wipe);
   at("slices-on").checked = look.slices;
+  showGrey();
   showChosenSource();
   buildRenderer();
   layOut();
@@ -215,7 +224,7 @@ function showSettings() {
 
 function onKey(event) {
   const where = event.target;
-  if (event.altKey || where.matches("input[type=number], textarea, select")) return;
+  if (event.altKey || where.matches("input[type=number], input[type=text], textarea, select")) return;
   if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
     event.preventDefault();
     at(event.shiftKey ? "redo" : "undo").click();
@@ -247,7 +256,11 @@ function listen() {
   document.addEventListener("pointerdown", () => noteHand(true), true);
   for (const end of ["pointerup", "pointercancel"]) document.addEventListener(end, () => noteHand(false));
   for (const id of ["remove", "keep", "lamp"]) at(id).addEventListener("click", () => chooseBrush(id));
-  at("radius").addEventListener("input", () => { at("radius-text").textContent = at("radius").value + " mm"; });
+  at("radius").addEventListener("input", () => setRadius(at("radius").value));
+  for (const key of GREY) {
+    at(key).addEventListener("input", () => setGrey(key, Number(at(key).value)));
+    at(key).addEventListener("dblclick", () => setGrey(key, 1));
+  }
   at("clear-marks").addEventListener("click", clearMarks);
   at("undo").addEventListener("click", () => goTo(undo.past, undo.future));
   at("redo").addEventListener("click", () => goTo(undo.future, undo.past));
@@ -256,6 +269,7 @@ function listen() {
   at("slices-on").addEventListener("change", () => { look.slices = at("slices-on").checked; layOut(); changed(false); });
   at("reset-view").addEventListener("click", resetCamera);
   at("snapshot").addEventListener("click", askForPicture);
+  at("cine").addEventListener("click", toggleCine);
   at("write").addEventListener("click", () => send({ type: "do", what: "write" }));
   at("copy").addEventListener("click", () => copyFrom(at("line")));
   at("copy-report").addEventListener("click", () => copyFrom(at("report")));

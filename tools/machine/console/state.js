@@ -22,7 +22,8 @@ const state = {
 };
 
 /* What only the page knows of: how it shows what it has. */
-const look = { third: "truth", compare: "off", wipe: 50, slices: true };
+const look = { third: "truth", compare: "off", wipe: 50, slices: true, gain: 1, contrast: 1 };
+const GREY = ["gain", "contrast"]; /* of the slices */
 
 /* Numbers with no more digits than a reader needs. */
 function short(value) {
@@ -90,6 +91,7 @@ function writeAddressNow() {
   if (look.compare !== "off") at.set("compare", look.compare);
   if (look.wipe !== 50) at.set("wipe", look.wipe);
   if (!look.slices) at.set("slices", "off");
+  for (const key of GREY) if (look[key] !== 1) at.set(key, short(look[key]));
   history.replaceState(null, "", location.pathname + location.search + "#" + at.toString());
 }
 
@@ -134,7 +136,7 @@ function readAddress(hello) {
   state.cross = [0, 1, 2].map((i) => numberIn(cross[i], 0, 1, 0.5));
   state.render = readRender(at);
   state.marks = (at.get("marks") || "").split(";").map((mark) => mark.split(",").map(Number))
-    .filter((mark) => mark.length === 5 && mark.every(Number.isFinite)).slice(0, MARKS_MAX);
+    .filter((mark) => mark.length === 5 && mark.every(Number.isFinite)).slice(0, hello.marks.most);
   const box = (at.get("box") || "").split(",").map(Number);
   state.box = box.length === 6 && box.every(Number.isFinite) ? box : [];
   state.lanes = [laneFrom(at.get("a") || "0")];
@@ -143,4 +145,5 @@ function readAddress(hello) {
   look.third = wordIn(at.get("third"), ["truth", "depthmap"], "truth");
   look.wipe = Math.round(numberIn(at.get("wipe"), 0, 100, 50));
   look.slices = at.get("slices") !== "off";
+  for (const key of GREY) look[key] = numberIn(at.get(key), 0.25, 4, 1);
 }

@@ -13,7 +13,7 @@ function settings() {
 
 /* A drag is one step, however long it rests on its way: nothing is noted until the hand lets go. */
 function noteSettings() {
-  if (undo.held || state.hurried) return;
+  if (undo.held || state.hurried || cine.on) return;
   const now = settings();
   if (now !== undo.now) {
     if (undo.now) undo.past.push(undo.now);

@@ -195,11 +195,27 @@ function crossByHand(view, screen) {
   });
 }
 
+/* Gain and contrast: the browser draws the slices otherwise, and nothing else is of it. */
+function showGrey() {
+  for (const key of GREY) {
+    at(key).value = String(look[key]);
+    at(key + "-text").textContent = look[key].toFixed(2);
+    at("slices").style.setProperty("--" + key, look[key]);
+  }
+}
+
+function setGrey(key, value) {
+  look[key] = value;
+  showGrey();
+  writeAddress();
+  noteSettings();
+}
+
 /* ------------------------------------------------------------------------------------------ figures -- */
 
-/* The colours of the depths, from the near side of what the slices show to the far one. */
+/* The colours of the depths, over those that are there. */
 function depthLegend() {
-  return make("div", { class: "legend" }, make("span", { text: "0 mm" }), make("span", { class: "colours", role: "img", "aria-label": "violet near, yellow far" }),
+  return make("div", { class: "legend" }, make("output"), make("span", { class: "colours", role: "img", "aria-label": "violet near, yellow far" }),
     make("output"), make("small", { text: "deep; hatched: nothing removed" }));
 }
 
@@ -238,7 +254,9 @@ function figureOf(view) {
 
 /* What the ground truth and the depthmap show is told where they show it. */
 function placeLegends(source) {
-  viewOf("depthmap").figure.querySelector("output").textContent = source.depth_mm.toFixed(0) + " mm";
+  viewOf("depthmap").figure.querySelectorAll("output").forEach((end, i) => {
+    end.textContent = source.depth_mm[1] ? source.depth_mm[i].toFixed(0) + unitOf(source.mm) : "";
+  });
   viewOf("truth").caption.textContent = TITLES.truth + (source.truth_cut ? ". Grey: touches the occluder, cut" : "");
 }
 
@@ -341,7 +359,8 @@ function layOut() {
   other.canvas.removeAttribute("style");
   canvases.result.screen.querySelector(".seam")?.remove();
   if (look.compare === "wipe") addWipe(other.canvas);
-  document.getElementById("wipe-bar").hidden = look.compare !== "wipe";
+  at("wipe-bar").hidden = look.compare !== "wipe";
+  at("grey-bar").hidden = !look.slices;
   placeCross();
 }
 

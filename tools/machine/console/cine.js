@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: MIT */
+/* A cine: pictures of a turn of the camera, or of the volumes, in one animated PNG. */
+"use strict";
+
+const TURN_STEPS = 36;
+const CINE_MS = 80; /* a picture */
+
+/* `take`: who waits for the console's next PNG; null: it is one to be saved. So nothing else is asked for meanwhile, and a cine
+ * that is cancelled waits for the last one. */
+const cine = { on: false, take: null };
+
+const CRC_OF_BYTE = Array.from({ length: 256 }, (_, byte) => {
+  let c = byte;
+  for (let bit = 0; bit < 8; bit++) c = c & 1 ? 0xedb88320 ^ (c >>> 1) : c >>> 1;
+  return c;
+});
+
+/* A chunk of a PNG: its length, its type, these parts (bytes, or numbers of 32 bits), and their sum. */
+function chunkOf(type, ...parts) {
+  const bytes = parts.flatMap((part) => (typeof part === "number" ? [24, 16, 8, 0].map((shift) => (part >>> shift) & 255) : [part]));
+  const size = bytes.reduce((sum, part) => sum + (part.length ?? 1), 0), out = new Uint8Array(size + 12), view = new DataView(out.buffer);
+  view.setUint32(0, size);
+  out.set(new TextEncoder().encode(type), 4);
+  let at_ = 8, crc = -1;
+  for (const part of bytes) {
+    out.set(typeof part === "number" ? [part] : part, at_);
+    at_ += part.length ?? 1;
+  }
+  for (let i = 4; i < at_; i++) crc = CRC_OF_BYTE[(crc ^ out[i]) & 255] ^ (crc >>> 8);
+  view.setUint32(at_, ~crc);
+  return out;
+}
+
+/* What the chunks of one type hold. */
+function chunksIn(png, type) {
+  const view = new DataView(png.buffer), found = [];
+  for (let at_ = 8; at_ < png.length; at_ += view.getUint32(at_) + 12)
+    if (new TextDecoder().decode(png.subarray(at_ + 4, at_ + 8)) === type) found.push(png.subarray(at_ + 8, at_ + 8 + view.getUint32(at_)));
+  return found;
+}
+
+/* One PNG of many that are equally large. */
+async function animated(blobs) {
+  const pngs = await Promise.all(blobs.map(async (blob) => new Uint8Array(await blob.arrayBuffer())));
+  const [head] = chunksIn(pngs[0], "IHDR"), parts = [pngs[0].subarray(0, 8), chunkOf("IHDR", head), chunkOf("acTL", pngs.length, 0)];
+  let serial = 0;
+  pngs.forEach((png, i) => {
+    parts.push(chunkOf("fcTL", serial++, head.subarray(0, 8), 0, 0, CINE_MS * 65536 + 1000, new Uint8Array(2)));
+    for (const data of chunksIn(png, "IDAT")) parts.push(i ? chunkOf("fdAT", serial++, data) : chunkOf("IDAT", data));
+  });
+  return new Blob([...parts, chunkOf("IEND")], { type: "image/png" });
+}
+
+/* The picture of what is set now; null: there is none. */
+async function nextPicture(words) {
+  changed(false);
+  await new Promise(requestAnimationFrame); /* the state is sent by then, and is drawn before what is asked for */
+  if (!cine.on) return null;
+  askForPicture();
+  const picture = await new Promise((done) => { cine.take = done; });
+  cine.take = null;
+  return picture && at("with-caption").checked ? captioned(picture, words) : picture;
+}
+
+async function recordCine() {
+  const turns = at("cine-of").hidden || at("cine-of").value === "turn", count = turns ? TURN_STEPS : lastFigures.source.volumes;
+  const { camera, play: played } = structuredClone(state), view = at("snapshot-view").value, pictures = [];
+  const words = wordsOf(view, state, turns ? "a turn" : "all volumes");
+  state.play.on = false;
+  for (let i = 0; cine.on && i < count; i++) {
+    at("written").textContent = "Cine: picture " + (i + 1) + " of " + count;
+    if (turns) state.camera.yaw = around(camera.yaw + (360 * i) / count);
+    else state.play.index = i;
+    const picture = await nextPicture(words);
+    if (picture) pictures.push(picture);
+    else cine.on = false;
+  }
+  Object.assign(state, { camera, play: { ...played, on: false } });
+  at("written").textContent = cine.on ? "Cine: " + count + " pictures" : "Cine: cancelled";
+  if (cine.on) save(await animated(pictures), view + "_cine");
+}
+
+function stopCine() {
+  cine.on = false;
+  cine.take?.(null);
+}
+
+function runCine(on) {
+  cine.on = on;
+  at("cine").textContent = on ? "Cancel" : "Save a cine";
+  at("snapshot").disabled = at("write").disabled = on;
+}
+
+async function toggleCine() {
+  if (cine.on || cine.take || !lastFigures) return void (cine.on = false);
+  runCine(true);
+  await recordCine();
+  runCine(false);
+  showPlaying();
+  changed(false);
+}
