@@ -65,6 +65,13 @@ holds code 0 replay "$work/ring" --out "$work/pictures" --frame 2
 holds test -s "$work/pictures/panel.png" -a -s "$work/pictures/slices.png"
 holds code 3 replay "$work/empty" --out "$work/pictures"
 
+# --- a page of what was recorded: every frame with its depthmap and the lines of the log; a plugin's words are no HTML
+holds code 0 replay "$work/turn" --show "$work/page"
+holds test "$(grep -c '<h2>Frame' "$work/page/index.html")" -ge 20 -a "$(grep -c '<img' "$work/page/index.html")" = "$(find "$work/page" -name '*.png' | wc -l)"
+holds grep -q '<pre>activate: .* needs [0-9]* bytes' "$work/page/index.html"
+holds code 0 replay "$work/empty" --show "$work/page_empty"
+holds test "$(grep -c '<img' "$work/page_empty/index.html")" = 0 -a "$(grep -c '<p>end: SV_OK' "$work/page_empty/index.html")" -ge 5
+
 # --- what is no recording, and what cannot be said
 mkfifo "$work/pipe"
 in_time() { timeout 60 "$build/sv_replay" "$@" > "$work/said" 2>&1; }
@@ -131,6 +138,8 @@ head -c 100000 "$work/turn" > "$work/cut"
 holds code 3 replay "$work/cut"
 holds says 'the recording is cut off here'
 holds code 3 replay "$work/cut" --list
+holds code 3 replay "$work/cut" --show "$work/page_cut"
+holds grep -q 'class=bad.*the recording is cut off here' "$work/page_cut/index.html"
 holds code 3 replay "$0"
 holds code 3 replay "$work/nothing"
 holds code 2 replay "$work/turn" --set nothing=1

@@ -19,6 +19,7 @@ typedef struct {
     bool own_queue, verbose, list;
     double seconds;         /* that it may play, without the first activate */
     const char *out;        /* folder for pictures of `frame`, or NULL */
+    const char *show;       /* folder for a page of all frames, or NULL */
     uint32_t frame;         /* from 0; RP_LAST */
     hs_guard_options guard; /* memory_bytes bounds what an activation takes, with a guard or without */
 } rp_options;
@@ -102,6 +103,12 @@ bool rp_play(const rp_options *o, rp_report *report, hs_error *err);
 
 /* Prints every call of a recording and plays none. */
 bool rp_list(const char *file, hs_error *err);
+
+/* ------------------------------------------------------------------------------------- replay_show -- */
+
+/* Writes index.html into the folder: calls that failed, lines of the log, and what frames came to, with the
+ * recorded depthmaps. Plays none. A recording that is cut off is shown as far as it goes: HS_ERR_INPUT. */
+bool rp_show(const char *file, const char *folder, hs_error *err);
 
 /* ------------------------------------------------------------------------------------- replay_draw -- */
 

@@ -43,6 +43,8 @@ static const hs_option options[] = {
      4294967294.0, NULL},
     {"seconds", "S", "that it may play, without the first activate [8, and 4 for each MB of the recording]\n",
      HS_OPTION_NUMBER, AT(seconds), 0.1, 1e6, NULL},
+    {"show", "FOLDER", "a page of all frames: depthmaps, outcomes, the log; none is played\n", HS_OPTION_TEXT,
+     AT(show), 0, 0, NULL},
     {"list", NULL, "print every call of the recording, and play none\n", HS_OPTION_FLAG, AT(list), 0, 0,
      NULL},
     {"verbose", NULL, "print what the plugin logs, and what it logged\n", HS_OPTION_FLAG, AT(verbose), 0, 0,
@@ -127,9 +129,11 @@ int main(int argc, char **argv) {
     if (ok) o.file = argv[next];
     if (ok) rp_set_bounds(&o);
     if (ok && o.list) ok = rp_list(o.file, &err);
+    if (ok && o.show) ok = rp_show(o.file, o.show, &err);
     hs_guard_options whole = o.guard;
     if (o.guard.choice == HS_GUARD_AUTO) whole.choice = HS_GUARD_ON;
-    if (ok && !o.list) code = hs_work_in_child(&whole, o.plugin, "it was played to", play, &o, &err);
+    if (ok && !o.list && !o.show)
+        code = hs_work_in_child(&whole, o.plugin, "it was played to", play, &o, &err);
     if (err.code == HS_OK) return hs_cli_finish("sv_replay", code);
     hs_print(stderr, "sv_replay: %s\n", err.text);
     if (err.code == HS_ERR_USAGE) hs_print(stderr, "sv_replay --help tells what there is.\n");
