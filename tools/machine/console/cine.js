@@ -4,6 +4,7 @@
 
 const TURN_STEPS = 36;
 const CINE_MS = 80; /* a picture */
+const ALL_VOLUMES = "all volumes, ";
 
 /* `take`: who waits for the console's next PNG; null: it is one to be saved. So nothing else is asked for meanwhile, and a cine
  * that is cancelled waits for the last one. */
@@ -65,7 +66,7 @@ async function nextPicture(words) {
 async function recordCine() {
   const turns = at("cine-of").hidden || at("cine-of").value === "turn", count = turns ? TURN_STEPS : lastFigures.source.volumes;
   const { camera, play: played } = structuredClone(state), view = at("snapshot-view").value, pictures = [];
-  const words = wordsOf(view, state, turns ? "a turn" : "all volumes");
+  const words = wordsOf(view, state, turns ? "a turn that begins " : ALL_VOLUMES);
   state.play.on = false;
   for (let i = 0; cine.on && i < count; i++) {
     at("written").textContent = "Cine: picture " + (i + 1) + " of " + count;

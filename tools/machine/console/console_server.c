@@ -39,27 +39,17 @@ bool hs_console_token_fits(const char *query, const char *token) {
     return differs == 0;
 }
 
-/* "1.2.3.4", four numbers up to 255. */
-static bool is_ipv4(const char *text, size_t length) {
-    unsigned parts = 0;
-    for (size_t at = 0; at < length; parts++) {
-        unsigned value = 0;
-        size_t digits = 0;
-        for (; at < length && text[at] >= '0' && text[at] <= '9' && digits < 4; at++, digits++)
-            value = value * 10 + (unsigned)(text[at] - '0');
-        if (digits == 0 || digits > 3 || value > 255) return false;
-        if (at < length && (text[at] != '.' || at + 1 == length)) return false;
-        at++;
+/* "1.2.3.4" or "[::1]". */
+static bool is_address(const char *text, size_t length, int family) {
+    char word[INET6_ADDRSTRLEN];
+    uint8_t bytes[16];
+    if (family == AF_INET6) {
+        if (length < 4 || text[0] != '[' || text[length - 1] != ']') return false;
+        text++;
+        length -= 2;
     }
-    return parts == 4;
-}
-
-/* "[...]" of hexadecimal digits and colons. */
-static bool is_ipv6(const char *text, size_t length) {
-    if (length < 4 || text[0] != '[' || text[length - 1] != ']') return false;
-    for (size_t i = 1; i + 1 < length; i++)
-        if (!strchr("0123456789abcdefABCDEF:.", text[i])) return false;
-    return true;
+    return snprintf(word, sizeof word, "%.*s", (int)length, text) < (int)sizeof word &&
+           inet_pton(family, word, bytes) == 1;
 }
 
 static bool is_word(const char *text, size_t length, const char *word) {
@@ -75,8 +65,9 @@ bool hs_console_host_is_ours(const char *host, bool loopback) {
     if (digits < 1 || digits > 5 || strspn(colon + 1, "0123456789") != digits) return false;
     if (is_word(host, length, "localhost")) return true;
     if (loopback)
-        return (is_ipv4(host, length) && strncmp(host, "127.", 4) == 0) || is_word(host, length, "[::1]");
-    return is_ipv4(host, length) || is_ipv6(host, length);
+        return (is_address(host, length, AF_INET) && strncmp(host, "127.", 4) == 0) ||
+               is_word(host, length, "[::1]");
+    return is_address(host, length, AF_INET) || is_address(host, length, AF_INET6);
 }
 
 bool hs_console_origin_is_ours(const char *origin, const char *host) {
