@@ -44,18 +44,13 @@ bool hs_guard_wanted(const hs_guard_options *options, const char *path) {
 #define MIN_S 0.01
 #define MAX_S 86400.0
 
-/* Reads "FRAME" or "FRAME,SETUP", in seconds. */
 bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err) {
     hs_guard_options *const options = guard_options;
-    char frame[32];
-    const size_t length = strcspn(text, ",");
-    if (length >= sizeof frame)
-        return hs_fail(err, HS_ERR_USAGE, "--guard-time: '%s' is not a number of seconds, or two", text);
-    memcpy(frame, text, length);
-    frame[length] = '\0';
-    if (!hs_cli_number("--guard-time", frame, MIN_S, MAX_S, &options->frame_s, err)) return false;
-    return text[length] == '\0' ||
-           hs_cli_number("--guard-time", text + length + 1, MIN_S, MAX_S, &options->setup_s, err);
+    double seconds[2] = {0, options->setup_s};
+    if (!hs_cli_numbers("--guard-time", text, "S or S,S", MIN_S, MAX_S, 1, 2, seconds, err)) return false;
+    options->frame_s = seconds[0];
+    options->setup_s = seconds[1];
+    return true;
 }
 
 bool hs_guard_take_memory(void *guard_options, const char *text, hs_error *err) {

@@ -14,7 +14,7 @@ typedef struct {
 
 /* What only MetaImage files take must not be asked of others in vain. */
 static bool check_kretz(const char *path, const hs_source_files *how, hs_error *err) {
-    if (how->scanned.first)
+    if (how->metaimage.scanned[0])
         return hs_fail(err, HS_ERR_USAGE,
                        "%s: a Kretz file says itself what was scanned, maps of it were given", path);
     if (how->metaimage.has_probe)
@@ -38,10 +38,7 @@ static bool file_open(sequence_file *file, const char *path, const hs_source_fil
         file->kretz = check_kretz(path, how, err) ? hs_kretz_open(path, &options, err) : NULL;
         return file->kretz != NULL;
     }
-    hs_metaimage_options options = how->metaimage;
-    options.scanned[0] = how->scanned.first;
-    options.scanned[1] = how->scanned.end;
-    file->metaimage = hs_metaimage_open(path, &options, err);
+    file->metaimage = hs_metaimage_open(path, &how->metaimage, err);
     return file->metaimage != NULL;
 }
 
@@ -241,6 +238,10 @@ uint32_t hs_sequence_left_out(const hs_sequence *s) {
 
 const hs_source_origin *hs_sequence_origins(const hs_sequence *s) {
     return s->origins;
+}
+
+const hs_levels *hs_sequence_levels(const hs_sequence *s) {
+    return s->file.metaimage ? hs_metaimage_levels(s->file.metaimage) : NULL;
 }
 
 bool hs_sequence_read(hs_sequence *s, uint32_t index, hs_volume *volume, hs_error *err) {

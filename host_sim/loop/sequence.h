@@ -6,16 +6,9 @@
 
 #include "volume/kretz.h"
 
-/* The maps that a scanner wrote beside a volume: every ray's first scanned slice, and the first one behind
- * the scan. */
-typedef struct {
-    const char *first, *end; /* MetaImage files; NULL: there are none, and the reading options tell */
-} hs_source_scanned;
-
-/* How files are read: MetaImage, with maps that hold for all of them, and Kretz. Zeros are the defaults. */
+/* How files are read: MetaImage and Kretz. Zeros are the defaults. */
 typedef struct {
     hs_metaimage_options metaimage;
-    hs_source_scanned scanned;
     hs_kretz_options kretz; /* its padding is not read: metaimage.padding holds for both */
 } hs_source_files;
 
@@ -48,6 +41,9 @@ const hs_source_origin *hs_sequence_origins(const hs_sequence *sequence);
  * an earlier call made is filled again. A file that is not open is opened anew: HS_ERR_INPUT if it changed
  * since _open. Else the errors of hs_kretz_read and hs_metaimage_read_at. One thread at a time. */
 bool hs_sequence_read(hs_sequence *sequence, uint32_t index, hs_volume *volume, hs_error *err);
+
+/* How the values of the file that is open became levels; NULL: of Kretz, or if none is open. */
+const hs_levels *hs_sequence_levels(const hs_sequence *sequence);
 
 /* Closes the file that is open, until the next _read. */
 void hs_sequence_stop_reading(hs_sequence *sequence);

@@ -3,6 +3,8 @@
 
 #include "base/cli.h"
 
+#include <string.h>
+
 bool hs_source_take_probe(void *target, const char *text, hs_error *err) {
     const char *names[HS_PROBE_COUNT];
     hs_metaimage_options *const read = target;
@@ -17,4 +19,10 @@ bool hs_source_take_spacing(void *target, const char *text, hs_error *err) {
     hs_metaimage_options *const read = target;
     return read->has_spacing =
                hs_cli_numbers("--spacing", text, "X,Y,Z (mm)", 1e-6, 1e6, 3, 3, read->spacing, err);
+}
+
+bool hs_source_take_either_spacing(void *target, const char *text, hs_error *err) {
+    hs_source_files *const files = target;
+    return strchr(text, ',') ? hs_source_take_spacing(&files->metaimage, text, err)
+                             : hs_cli_number("--spacing", text, 0.01, 100, &files->kretz.spacing, err);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "picture/picture_draw.h"
 
+#include "base/text.h"
 #include "picture/picture.h"
 
 #include <fontconfig/fontconfig.h>
@@ -51,36 +52,6 @@ static void set_colour(cairo_t *cr, uint32_t colour) {
                          (colour & 255) / 255.0);
 }
 
-/* Bytes of the UTF-8 sequence at s, 0 if there is none (RFC 3629: no overlong forms, no surrogates). */
-static size_t utf8_length(const char *s) {
-    const unsigned char *u = (const unsigned char *)s;
-    if (u[0] < 0x80) return 1;
-    const size_t n = u[0] >= 0xf0 ? 4 : u[0] >= 0xe0 ? 3 : 2;
-    if (u[0] < 0xc2 || u[0] > 0xf4) return 0;
-    for (size_t i = 1; i < n; i++)
-        if ((u[i] & 0xc0) != 0x80) return 0;
-    const bool overlong = (u[0] == 0xe0 && u[1] < 0xa0) || (u[0] == 0xf0 && u[1] < 0x90);
-    const bool beyond = (u[0] == 0xed && u[1] > 0x9f) || (u[0] == 0xf4 && u[1] > 0x8f);
-    return overlong || beyond ? 0 : n;
-}
-
-/* Copies what cairo can show: cairo refuses to draw anything more after one invalid byte. */
-static void clean_text(const char *text, char out[TEXT_BYTES]) {
-    size_t at = 0;
-    while (*text && at + 4 < TEXT_BYTES) {
-        const size_t n = utf8_length(text);
-        if (n == 0 || (n == 1 && (unsigned char)*text < 0x20) || *text == 0x7f) {
-            out[at++] = '?';
-            text++;
-            continue;
-        }
-        memcpy(out + at, text, n);
-        at += n;
-        text += n;
-    }
-    out[at] = '\0';
-}
-
 static double text_width(cairo_t *cr, const char *text) {
     cairo_text_extents_t extents;
     cairo_text_extents(cr, text, &extents);
@@ -105,7 +76,7 @@ static void cut_to_width(cairo_t *cr, char text[TEXT_BYTES], double max_width) {
 void hs_draw_text(cairo_t *cr, double x, double y, double size, uint32_t colour, hs_align align,
                   double max_width, const char *text) {
     char clean[TEXT_BYTES];
-    clean_text(text, clean);
+    (void)hs_text_escape(clean, sizeof clean, text, 0); /* cairo draws nothing after one invalid byte */
     cairo_set_font_size(cr, size);
     double width = text_width(cr, clean);
     if (max_width > 0.0 && width > max_width) {

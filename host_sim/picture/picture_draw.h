@@ -43,7 +43,7 @@ double hs_tick_step(double range, unsigned max_ticks);
 
 /* One line of UTF-8 in DejaVu Sans, `size` pixels high, standing on y. Wider than max_width (0: no limit) it
  * is set smaller, down to three quarters, then cut with an ellipsis. Bytes that are no UTF-8 (file names may
- * hold any) become '?'. */
+ * hold any) are written as \xNN. */
 bool hs_picture_text(hs_picture *picture, double x, double y, double size, uint32_t colour, hs_align align,
                      double max_width, const char *text, hs_error *err);
 

@@ -19,6 +19,8 @@ struct hs_result_voxels {
     hs_error *err;
     bool from_files;
     hs_met_type type;
+    /* What stands for a voxel that was cut away: 0 in MET_UCHAR, else the smallest value of all volumes, so
+     * that what is black stays black. */
     uint8_t fill[8];
     double fill_value;
     hs_met_voxels *file;
@@ -134,20 +136,6 @@ void hs_result_voxels_close(hs_result_voxels *v) {
     free(v);
 }
 
-/* What each voxel is, and what stands for one that was cut away: 0 in MET_UCHAR, else the smallest value of
- * all volumes, so that what is black stays black. */
-static hs_met_type hs_result_voxels_type(const hs_result_voxels *v) {
-    return v->type;
-}
-
-static const uint8_t *hs_result_voxels_fill(const hs_result_voxels *v) {
-    return v->fill;
-}
-
-static double hs_result_voxels_fill_value(const hs_result_voxels *v) {
-    return v->fill_value;
-}
-
 enum { FILES = 5 /* of MetaImage: all but the surface */ };
 
 static const char *const names[HS_RESULT_COUNT] = {"depthmap", "confidence", "status",
@@ -240,7 +228,7 @@ static bool open_stream(writing *w, uint32_t index) {
     format.spacing_unsaid = v->spacing_unsaid;
     static const hs_met_type types[FILES] = {HS_MET_FLOAT, HS_MET_FLOAT, HS_MET_UCHAR, HS_MET_UCHAR,
                                              HS_MET_UCHAR};
-    format.type = 1u << index == HS_RESULT_CLIPPED ? hs_result_voxels_type(w->voxels) : types[index];
+    format.type = 1u << index == HS_RESULT_CLIPPED ? w->voxels->type : types[index];
     if (!file_path(w, names[index], ".mha", path)) return false;
     w->streams[index] = hs_metaimage_stream_open(path, &format, w->err);
     return w->streams[index] != NULL;
@@ -258,7 +246,7 @@ static bool open_files(writing *w, uint32_t wanted) {
     if (w->report->what & HS_RESULT_CLIPPED) {
         w->voxels = hs_result_voxels_open(w->source, w->err);
         if (!w->voxels) return false;
-        w->report->fill = hs_result_voxels_fill_value(w->voxels);
+        w->report->fill = w->voxels->fill_value;
     }
     if (w->report->what & (HS_RESULT_CLIPPED | HS_RESULT_MASK)) {
         const size_t count = hs_volume_count(hs_source_shape(w->source));
@@ -300,8 +288,8 @@ static bool write_confidence(writing *w, hs_metaimage_stream *out) {
 
 static bool write_clipped(writing *w, uint32_t index, hs_metaimage_stream *out) {
     const size_t count = hs_volume_count(hs_source_shape(w->source));
-    const size_t width = hs_met_type_bytes(hs_result_voxels_type(w->voxels));
-    const uint8_t *fill = hs_result_voxels_fill(w->voxels);
+    const size_t width = hs_met_type_bytes(w->voxels->type);
+    const uint8_t *fill = w->voxels->fill;
     uint8_t *kept = malloc(HS_RESULT_CHUNK * width);
     if (!kept) return hs_fail(w->err, HS_ERR_MEMORY, "clipped: no memory");
     const uint8_t *mask = w->mask; /* open_files made it */

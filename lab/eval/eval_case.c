@@ -83,8 +83,8 @@ static bool check_scanned(const hs_volume *full, const hs_volume *label, char pa
 /* The volume that the plugin gets; with maps, what they call unscanned is 0. */
 static bool open_full(hs_eval_source *s, char part[PARTS][PATH_MAX], bool ranged,
                       const hs_metaimage_options *read, hs_error *err) {
-    const hs_source_files how = {.metaimage = *read,
-                                 .scanned = {ranged ? part[FIRST] : NULL, ranged ? part[END] : NULL}};
+    hs_source_files how = {.metaimage = *read};
+    for (int k = 0; ranged && k < 2; k++) how.metaimage.scanned[k] = part[FIRST + k];
     const char *const path = part[FULL];
     if (!hs_source_open_files(&s->source, &path, 1, &how, err)) return false;
     return s->source.count == 1 ||

@@ -24,8 +24,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MAX_REAL    4
-#define ORBIT_TOTAL 60.0 /* degrees */
+#define MAX_REAL 4
 
 typedef struct {
     const char *out, *data, *plugin;
@@ -193,15 +192,11 @@ static bool measure(hs_demo_case *c, hs_run *run, hs_error *err) {
     return hs_run_replace_loop(run, &options, err) && measure_map(c, run, side, err);
 }
 
-/* Takes times, draws, turns the camera for the strip of views, measures. */
+/* Takes times, draws, measures. */
 static bool run_opened(hs_demo_case *c, hs_run *run, const char *folder, hs_error *err) {
     if (!hs_run_measure(run, err) || !hs_run_pictures(run, folder, err)) return false;
     keep_results(c, run);
-    hs_loop_options orbit = run->request.loop;
-    orbit.frames = HS_ORBIT_VIEWS;
-    orbit.orbit = ORBIT_TOTAL;
-    return hs_run_replace_loop(run, &orbit, err) && hs_run_orbit_picture(run, folder, err) &&
-           measure(c, run, err);
+    return measure(c, run, err);
 }
 
 /* A line a case, when it is through; its tables go to the log. */

@@ -111,7 +111,7 @@ static void put_answer(hs_page *page, const hs_demo_case *cases, uint32_t count)
 }
 
 static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
-    hs_page_fold_begin(page, "How it was found, and how it looks from elsewhere");
+    hs_page_fold_begin(page, "How it was found");
     hs_page_wide_row_begin(page);
     show(page, out, c, hs_page_picture, "depthmap.png", "the clipping depthmap in false colour",
          "Clipping depthmap: where the rays start, in mm; hatched clips nothing");
@@ -124,8 +124,6 @@ static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
         {"slices.png", "the result beside three slices", hs_page_slices_caption(c->clipped)},
         {"positions.png", "the result for six surface positions",
          "The result for six values of the plugin's primary parameter"},
-        {"orbit.png", "six views of an orbit, the full volume above and the result below",
-         "Six views of an orbit: full volume above, result below"},
     };
     for (size_t i = 0; i < sizeof wide / sizeof *wide; i++) {
         if (i == 1 && !(c->has_knob && c->clipped)) continue; /* nothing that moves */

@@ -50,7 +50,8 @@ expect 2 "--window: 9,7: LOW must be less than HIGH" "${good[@]}" --window 9,7
 expect 2 "--mirror: is for Kretz files" "${good[@]}" --mirror
 expect 2 "--spacing: is for Kretz files" "${run[@]}" --scene D01 --spacing 1
 expect 2 "--spacing: 0 is outside 0.01 .. 100" info --spacing 0 good.mha
-for option in --mirror "--spacing 1" "--number 2"; do
+expect 2 "--number 2: good.mha has 1" info --number 2 good.mha
+for option in --mirror "--spacing 1"; do
     # shellcheck disable=SC2086  # an option and its value
     expect 2 "${option%% *}: is for Kretz files, good.mha is none" info $option good.mha
 done

@@ -257,7 +257,7 @@ static void what_a_kretz_file_says_itself_is_refused(void **state) {
     const list *file = write_kretz(3);
     const hs_source_files window = {.metaimage = {.has_window = true, .window_low = 0, .window_high = 9}};
     expect_refusal_of(file, &window, HS_ERR_USAGE, "a window was given");
-    const hs_source_files maps = {.scanned = {"a.mha", "b.mha"}};
+    const hs_source_files maps = {.metaimage = {.scanned = {"a.mha", "b.mha"}}};
     expect_refusal_of(file, &maps, HS_ERR_USAGE, "says itself what was scanned");
     const hs_source_files probe = {.metaimage = {.has_probe = true, .probe = HS_PROBE_HIGH_Y}};
     expect_refusal_of(file, &probe, HS_ERR_USAGE, "where the probe is, +y was given");

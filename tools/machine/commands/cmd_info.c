@@ -5,6 +5,7 @@
 #include "base/options.h"
 #include "base/text.h"
 #include "commands/run.h"
+#include "loop/sequence.h"
 #include "loop/source_options.h"
 #include "volume/fan_fit.h"
 #include "volume/metaimage_write.h"
@@ -80,8 +81,7 @@ static void print_beams(const hs_beams *b) {
 }
 
 typedef struct {
-    hs_kretz_options kretz;
-    hs_metaimage_options read;
+    hs_source_files files;
     const char *cartesian; /* file to write, or NULL */
     uint32_t number; /* of the volume that is asked for, from 1 on; 0: all are read, the first is told */
     bool help;
@@ -96,89 +96,51 @@ static bool write_cartesian(const char *path, const hs_volume *v, hs_error *err)
     return hs_metaimage_write(path, &format, v->voxels, err);
 }
 
-static void print_kretz_volume(const char *path, const hs_volume *volume, uint32_t number, uint32_t volumes) {
-    hs_print(stdout, "%s\n", path);
-    if (volumes > 1 && number == 0) (void)printf("  a sequence of %u volumes; the first one:\n", volumes);
-    if (volumes > 1 && number > 0) (void)printf("  a sequence of %u volumes; number %u:\n", volumes, number);
-    if (volume->beams) print_beams(volume->beams);
-    print_volume(volume, NULL);
-}
-
-/* All volumes are read, as of MetaImage, unless one is asked for. */
-static bool print_kretz(const char *path, const request *r, hs_error *err) {
-    hs_kretz *kretz = hs_kretz_open(path, &r->kretz, err);
-    hs_volume volume = {0};
-    const uint32_t volumes = kretz ? hs_kretz_count(kretz) : 0;
-    bool ok = volumes > 0; /* none: it could not be opened */
-    if (ok && r->number > volumes)
-        ok = hs_fail(err, HS_ERR_USAGE, "--number %u: %s has %u", r->number, path, volumes);
-    if (r->number > 0)
-        ok = ok && hs_kretz_read(kretz, r->number - 1, &volume, err);
-    else
-        for (uint32_t i = volumes; ok && i-- > 0;) ok = hs_kretz_read(kretz, i, &volume, err);
-    if (ok && r->cartesian) ok = write_cartesian(r->cartesian, &volume, err);
-    if (ok) hs_volume_find_beams(&volume);
-    if (ok) print_kretz_volume(path, &volume, r->number, volumes);
-    hs_volume_free(&volume);
-    hs_kretz_close(kretz);
-    return ok;
-}
-
-/* What the file says about its volumes; `first` is what it says about the first one. */
-static void print_sequence(uint32_t volumes, uint32_t left_out, const hs_frame_fields *first,
-                           double seconds) {
+/* What the file says about its volumes, of which `number` is described. */
+static void print_sequence(const hs_sequence *s, uint32_t number) {
+    const hs_source_origin *origins = hs_sequence_origins(s);
+    const uint32_t volumes = hs_sequence_count(s), left_out = hs_sequence_left_out(s);
+    const hs_frame_fields *first = &origins[0].fields, *last = &origins[volumes - 1].fields;
+    if (volumes == 1 && left_out == 0) return;
     (void)printf("  a sequence of %u volumes", volumes);
     if (left_out > 0) (void)printf(", beside %u that are left out: their ImageStatus is INVALID", left_out);
-    if (seconds > 0) (void)printf("; %g s from the first to the last", seconds);
+    if (first->has_time && last->has_time && last->time > first->time)
+        (void)printf("; %g s from the first to the last", last->time - first->time);
     for (uint32_t t = 0; t < first->transform_count; t++)
         hs_print(stdout, "%s%s", t ? ", " : "; transforms: ", first->transforms[t].name);
-    (void)printf("\n  the first one:\n");
+    (void)printf("\n  number %u:\n", number);
 }
 
-/* All volumes are read, so that a file that is damaged further on is told; the first one is described. */
-static bool print_metaimage(const char *path, const hs_metaimage_options *read, hs_error *err) {
-    hs_metaimage *file = hs_metaimage_open(path, read, err);
-    hs_volume first = {0};
-    hs_frame_fields said = {0}, last;
-    const uint32_t volumes = file ? hs_metaimage_volumes(file) : 0;
-    bool ok = file && hs_metaimage_next(file, &first, &said);
-    last = said;
-    for (uint32_t i = 1; ok && i < volumes; i++) {
-        hs_volume volume;
-        ok = hs_metaimage_next(file, &volume, &last);
-        hs_volume_free(&volume);
-    }
+/* All volumes are read, so that a file that is damaged further on is told, unless one is asked for. */
+static bool print_file(const char *path, const request *r, hs_error *err) {
+    hs_sequence *s = hs_sequence_open(&path, 1, &r->files, err);
+    hs_volume volume = {0};
+    if (!s) return false;
+    const uint32_t volumes = hs_sequence_count(s), number = r->number > 0 ? r->number : 1;
+    bool ok =
+        number <= volumes || hs_fail(err, HS_ERR_USAGE, "--number %u: %s has %u", r->number, path, volumes);
+    for (uint32_t i = 1; ok && r->number == 0 && i < volumes; i++) ok = hs_sequence_read(s, i, &volume, err);
+    ok = ok && hs_sequence_read(s, number - 1, &volume, err) &&
+         (!r->cartesian || write_cartesian(r->cartesian, &volume, err));
     if (ok) {
-        const uint32_t left_out = hs_metaimage_left_out(file);
         hs_print(stdout, "%s\n", path);
-        if (volumes > 1 || left_out > 0)
-            print_sequence(volumes, left_out, &said,
-                           said.has_time && last.has_time ? last.time - said.time : 0);
-        hs_volume_find_beams(&first);
-        print_volume(&first, hs_metaimage_levels(file));
+        print_sequence(s, number);
+        hs_volume_find_beams(&volume);
+        if (volume.beams) print_beams(volume.beams);
+        print_volume(&volume, hs_sequence_levels(s));
     }
-    hs_volume_free(&first);
-    hs_metaimage_close(file);
+    hs_volume_free(&volume);
+    hs_sequence_close(s);
     return ok;
-}
-
-static bool take_spacing(void *target, const char *text, hs_error *err) {
-    request *const r = target;
-    return strchr(text, ',') ? hs_source_take_spacing(&r->read, text, err)
-                             : hs_cli_number("--spacing", text, 0.01, 100, &r->kretz.spacing, err);
 }
 
 #define AT(field) offsetof(request, field)
 static const hs_option options[] = {
     {"mirror", NULL, "Kretz files: positive sweep angles lie at +y (default: at -y)\n", HS_OPTION_FLAG,
-     AT(kretz.mirrored), 0, 0, NULL},
-    {"spacing", "X,Y,Z",
-     HS_SOURCE_SPACING_HELP
-     "MM, of Kretz files: voxels of the Cartesian copy [pitch, or 1/400 of its side]\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_spacing},
-    {"probe", "FACE", HS_SOURCE_PROBE_HELP, HS_OPTION_TAKEN, AT(read), 0, 0, hs_source_take_probe},
-    {"number", "N",
-     "Kretz files: volume N of a sequence, 1 is the first (default: all are read, the first is told)\n",
+     AT(files.kretz.mirrored), 0, 0, NULL},
+    HS_SOURCE_SPACING_ROW(AT(files)),
+    {"probe", "FACE", HS_SOURCE_PROBE_HELP, HS_OPTION_TAKEN, AT(files.metaimage), 0, 0, hs_source_take_probe},
+    {"number", "N", "volume N of a sequence, 1 is the first (default: all are read, the first is told)\n",
      HS_OPTION_COUNT, AT(number), 1, 65536, NULL},
     {"cartesian", "FILE.mha", "Kretz files: writes the Cartesian copy of that volume; of one FILE only\n",
      HS_OPTION_TEXT, AT(cartesian), 0, 0, NULL},
@@ -199,20 +161,15 @@ static void print_help(void) {
 
 /* What is for Kretz files would do nothing with others. */
 static bool check_files(const request *r, int count, char **files, hs_error *err) {
-    const char *option = r->number > 0            ? "--number"
-                         : r->kretz.mirrored      ? "--mirror"
-                         : r->kretz.spacing > 0.0 ? "--spacing"
-                                                  : NULL;
+    const char *option = r->files.kretz.mirrored        ? "--mirror"
+                         : r->files.kretz.spacing > 0.0 ? "--spacing"
+                                                        : NULL;
     if (count == 0) return hs_fail(err, HS_ERR_USAGE, "no FILE given");
     if (r->cartesian && (count > 1 || !hs_kretz_is_file(files[0])))
         return hs_fail(err, HS_ERR_USAGE, "--cartesian %s: is for one Kretz file", r->cartesian);
     for (int i = 0; option && i < count; i++)
         if (!hs_kretz_is_file(files[i]))
             return hs_fail(err, HS_ERR_USAGE, "%s: is for Kretz files, %s is none", option, files[i]);
-    for (int i = 0; (r->read.has_spacing || r->read.has_probe) && i < count; i++)
-        if (hs_kretz_is_file(files[i]))
-            return hs_fail(err, HS_ERR_USAGE, "--%s: %s says it itself",
-                           r->read.has_spacing ? "spacing" : "probe", files[i]);
     return true;
 }
 
@@ -226,11 +183,7 @@ int hs_cmd_info(int argc, char **argv) {
         return HS_OK;
     }
     if (!check_files(&r, argc - first, argv + first, &err)) return hs_cli_fail("info", &err);
-    for (int i = first; i < argc; i++) {
-        const char *path = argv[i];
-        const bool ok =
-            hs_kretz_is_file(path) ? print_kretz(path, &r, &err) : print_metaimage(path, &r.read, &err);
-        if (!ok) return hs_cli_fail("info", &err);
-    }
+    for (int i = first; i < argc; i++)
+        if (!print_file(argv[i], &r, &err)) return hs_cli_fail("info", &err);
     return HS_OK;
 }

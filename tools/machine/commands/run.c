@@ -54,8 +54,7 @@ static bool open_plugin(hs_run *run, hs_error *err) {
 static bool open_volumes(hs_run *run, hs_error *err) {
     const hs_run_request *r = &run->request;
     if (r->scene.name) return hs_source_open_scene(&run->source, &r->scene, err);
-    const hs_source_files how = {.metaimage = r->read, .scanned = r->scanned, .kretz = r->kretz};
-    return hs_source_open_files(&run->source, r->volumes, r->volume_count, &how, err);
+    return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->files, err);
 }
 
 static bool open_source(hs_run *run, hs_error *err) {
@@ -188,31 +187,21 @@ void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes) {
     (void)snprintf(out, bytes, "%s %s", d->id, d->version);
 }
 
-/* With the mark of orientation, where the source has one. An orbit's views differ in theirs: the title says
- * of which yaw it is. */
-static void picture_title(const hs_run *run, bool orbit, char *out, size_t bytes) {
-    char plugin[200], name[340], yaw[32] = "";
+/* With the mark of orientation, where the source has one. */
+static void picture_title(const hs_run *run, char *out, size_t bytes) {
+    char plugin[200], name[340];
     hs_camera camera;
     const hs_volume *shape = hs_source_shape(&run->source);
-    const hs_loop_options *o = &run->request.loop;
-    hs_loop_camera(run->loop, o->frames / 2, &camera);
+    hs_loop_camera(run->loop, run->request.loop.frames / 2, &camera);
     hs_camera_title(shape->name, &camera, shape, name, sizeof name);
     hs_run_plugin_name(run, plugin, sizeof plugin);
-    if (orbit && shape->pose.stated)
-        (void)snprintf(yaw, sizeof yaw, " at yaw %+.0f°", hs_loop_yaw(o, o->frames / 2));
-    (void)snprintf(out, bytes, "%s%s, %s", name, yaw, plugin);
-}
-
-bool hs_run_orbit_picture(hs_run *run, const char *folder, hs_error *err) {
-    char title[600];
-    picture_title(run, true, title, sizeof title);
-    return hs_loop_write_orbit(run->loop, &run->request.loop, folder, title, err);
+    (void)snprintf(out, bytes, "%s, %s", name, plugin);
 }
 
 bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
     char title[600], note[1100];
     hs_view view;
-    picture_title(run, false, title, sizeof title);
+    picture_title(run, title, sizeof title);
     const uint32_t middle = run->request.loop.frames / 2;
     if (!hs_loop_view(run->loop, middle, &view, err)) return false;
     if (run->request.few_pictures) {
@@ -225,8 +214,7 @@ bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
                                hs_frame_note(&view.frame, hs_run_plugin_error(run)->text, note, sizeof note),
                                run->request.panel_cell, err) &&
         hs_loop_write_knob(run->loop, run->has_plugin ? &run->plugin : NULL, &run->request.loop, middle,
-                           folder, title, err) &&
-        (run->request.loop.orbit == 0 || hs_run_orbit_picture(run, folder, err));
+                           folder, title, err);
     hs_view_free(&view);
     return ok;
 }

@@ -17,10 +17,8 @@ typedef struct {
     int32_t log_level;          /* SV_LOG_*: less severe lines of the plugin are not printed */
     const char *const *volumes; /* files, or ... */
     uint32_t volume_count;
-    hs_source_scene scene; /* ... a scene, if it has a name */
-    hs_metaimage_options read;
-    hs_source_scanned scanned; /* of the volumes */
-    hs_kretz_options kretz;
+    hs_source_scene scene;   /* ... a scene, if it has a name */
+    hs_source_files files;   /* how the volumes are read */
     hs_crop crop;            /* of the volumes */
     const char *const *sets; /* key=value for the plugin's parameters */
     uint32_t set_count;
@@ -69,15 +67,12 @@ bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err);
 /* Measures the wanted settings into run->results, with a progress line. */
 bool hs_run_measure(hs_run *run, hs_error *err);
 
-/* Writes the pictures of the middle frame into the folder, and orbit.png if the camera orbits. */
+/* Writes the pictures of the middle frame into the folder. */
 bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err);
 
 /* Writes the files that the request names into the folder, and compares the depthmap with the reference;
  * HS_ERR_USAGE if the camera orbits, or a reference is given and the source has several volumes. */
 bool hs_run_write(hs_run *run, const char *folder, hs_error *err);
-
-/* Writes orbit.png alone. */
-bool hs_run_orbit_picture(hs_run *run, const char *folder, hs_error *err);
 
 /* Ends the loop and builds another from the same source, plugin and device: for other cameras. run->results
  * stay. On failure there is no loop, and only hs_run_close may follow. */

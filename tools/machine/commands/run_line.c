@@ -60,15 +60,8 @@ static bool take_padding(void *target, const char *text, hs_error *err) {
     hs_run_line *const line = target;
     uint32_t index = 0;
     if (!hs_cli_select("--padding", text, names, 3, &index, err)) return false;
-    line->request.read.padding = (hs_padding)index;
+    line->request.files.metaimage.padding = (hs_padding)index;
     return (line->padding_given = true);
-}
-
-/* Three numbers say how far apart the voxels of a MetaImage are, one how far those of a Kretz file's copy. */
-static bool take_spacing(void *target, const char *text, hs_error *err) {
-    hs_run_request *const r = target;
-    return strchr(text, ',') ? hs_source_take_spacing(&r->read, text, err)
-                             : hs_cli_number("--spacing", text, 0.01, 100, &r->kretz.spacing, err);
 }
 
 /* The request points to both paths: into the copy of the first one, and into `text`. */
@@ -80,7 +73,9 @@ static bool take_scanned(void *target, const char *text, hs_error *err) {
         return hs_fail(err, HS_ERR_USAGE, "--scanned: '%s', expected two files, FIRST,END", text);
     memcpy(line->scanned, text, length);
     line->scanned[length] = '\0';
-    line->request.scanned = (hs_source_scanned){line->scanned, comma + 1};
+    const char **scanned = line->request.files.metaimage.scanned;
+    scanned[0] = line->scanned;
+    scanned[1] = comma + 1;
     return true;
 }
 
@@ -142,20 +137,17 @@ static const hs_option options[] = {
     {"padding", "MODE",
      "what a 0 in FILE is: auto (not scanned if connected to the border), none, all [auto]\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_padding},
-    {"probe", "FACE", HS_SOURCE_PROBE_HELP, HS_OPTION_TAKEN, AT(read), 0, 0, hs_source_take_probe},
+    {"probe", "FACE", HS_SOURCE_PROBE_HELP, HS_OPTION_TAKEN, AT(files.metaimage), 0, 0, hs_source_take_probe},
     {"scanned", "FIRST,END",
      "two maps (MetaImage, a whole number a ray): the first scanned slice, and the first one\n"
      "behind the scan; takes the place of --padding\n",
      HS_OPTION_TAKEN, 0, 0, 0, take_scanned},
     {"window", "LOW,HIGH",
      "source values that become 0 and 255 [the file's own range; 8-bit files as they are]\n", HS_OPTION_TAKEN,
-     AT(read), 0, 0, take_window},
+     AT(files.metaimage), 0, 0, take_window},
     {"mirror", NULL, "of a Kretz file: positive sweep angles at +y [at -y]; the file does not say\n",
-     HS_OPTION_FLAG, AT(kretz.mirrored), 0, 0, NULL},
-    {"spacing", "X,Y,Z",
-     HS_SOURCE_SPACING_HELP
-     "MM, of a Kretz file: voxels of its Cartesian copy [pitch, or 1/400 of its side]\n",
-     HS_OPTION_TAKEN, LINE(request), 0, 0, take_spacing},
+     HS_OPTION_FLAG, AT(files.kretz.mirrored), 0, 0, NULL},
+    HS_SOURCE_SPACING_ROW(AT(files)),
     {"scene", "NAME|FILE", "a built-in scene (see 'host_sim scenes') or a scene file\n", HS_OPTION_TEXT,
      AT(scene.name), 0, 0, NULL},
     {"size", "N", "voxels per axis of a scene, 32 .. 512 [256]\n", HS_OPTION_COUNT, AT(scene.size), 32, 512,
@@ -266,25 +258,26 @@ static const hs_option options[] = {
 static bool check_source(const hs_run_line *line, hs_error *err) {
     const hs_run_request *r = &line->request;
     const hs_source_scene *s = &r->scene;
+    const hs_metaimage_options *read = &r->files.metaimage;
     const char *of_scene = s->size      ? "--size"
                            : s->seed    ? "--seed"
                            : s->volumes ? "--moving"
                            : s->real    ? "--real"
                                         : NULL;
-    const char *of_file = r->read.has_window ? "--window" : line->padding_given ? "--padding" : NULL;
+    const char *of_file = read->has_window ? "--window" : line->padding_given ? "--padding" : NULL;
     if (of_scene && r->volume_count > 0)
         return hs_fail(err, HS_ERR_USAGE, "%s: is for --scene, --volume %s was given", of_scene,
                        line->volumes[0]);
     if (of_file && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "%s: is for --volume, --scene %s was given", of_file, s->name);
-    if (r->scanned.first && r->volume_count == 0)
+    if (read->scanned[0] && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--scanned %s,%s: is for --volume; a scene has its own fan",
-                       line->scanned, r->scanned.end);
-    if (r->read.has_spacing && r->volume_count == 0)
+                       read->scanned[0], read->scanned[1]);
+    if (read->has_spacing && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--spacing: is for --volume; a scene has its own");
-    if (r->read.has_probe && r->volume_count == 0)
+    if (read->has_probe && r->volume_count == 0)
         return hs_fail(err, HS_ERR_USAGE, "--probe %s: is for --volume; a scene is scanned from slice 0",
-                       hs_probe_name(r->read.probe));
+                       hs_probe_name(read->probe));
     return true;
 }
 
@@ -299,14 +292,14 @@ static bool check_line(const hs_run_line *line, hs_error *err) {
         return hs_fail(err, HS_ERR_USAGE, "no source: give --volume FILE or --scene NAME");
     if (!check_source(line, err)) return false;
     for (uint32_t i = 0; i < r->volume_count; i++) kretz |= hs_kretz_is_file(line->volumes[i]);
-    if ((r->kretz.mirrored || r->kretz.spacing > 0.0) && !kretz)
+    if ((r->files.kretz.mirrored || r->files.kretz.spacing > 0.0) && !kretz)
         return hs_fail(err, HS_ERR_USAGE, "%s: is for Kretz files (--volume FILE.vol)",
-                       r->kretz.mirrored ? "--mirror" : "--spacing");
+                       r->files.kretz.mirrored ? "--mirror" : "--spacing");
     if (r->map && (r->plugin_path || r->plugin_id || r->set_count > 0))
         return hs_fail(err, HS_ERR_USAGE, "--map %s: takes the place of --plugin, --id and --set", r->map);
     if (r->map && r->loop.lowres == 0)
         return hs_fail(err, HS_ERR_USAGE, "--map %s: needs --lowres N, the map's pixels across", r->map);
-    if (r->scanned.first && line->padding_given)
+    if (r->files.metaimage.scanned[0] && line->padding_given)
         return hs_fail(err, HS_ERR_USAGE, "--scanned and --padding: give one of them");
     if ((r->write || r->write_if || r->reference) && r->loop.orbit != 0)
         return hs_fail(err, HS_ERR_USAGE, "--%s: needs a camera that stands still, --orbit is %g degrees",

@@ -78,8 +78,6 @@ bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_op
     return ok;
 }
 
-#define ORBIT_CELL 256u /* pixels */
-
 const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes) {
     if (frame->clipped && hs_doubt_words(frame->doubt, out, bytes)) return out;
     if (frame->clipped && frame->outcome == SV_OK) return NULL;
@@ -228,52 +226,4 @@ bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char 
            write_panel(view, folder, title, note, cell, err) &&
            write_slices(view, folder, title, note, cell, err) &&
            write_depthmap(view, folder, title, note, err) && write_confidence(view, folder, title, err);
-}
-
-/* `upper` above `lower`, on a picture as wide as the wider one. */
-static bool stack(const hs_picture *upper, const hs_picture *lower, hs_picture *out, hs_error *err) {
-    const uint32_t width = upper->width > lower->width ? upper->width : lower->width;
-    if (!hs_picture_init(out, width, upper->height + lower->height, HS_COLOUR_BACKGROUND, err)) return false;
-    const hs_picture *parts[2] = {upper, lower};
-    uint32_t *row = out->pixels;
-    for (int p = 0; p < 2; p++)
-        for (uint32_t y = 0; y < parts[p]->height; y++, row += width)
-            memcpy(row, parts[p]->pixels + (size_t)y * parts[p]->width, parts[p]->width * sizeof *row);
-    return true;
-}
-
-/* Two strips from the views; captions are the camera's yaw. */
-static bool draw_orbit(const hs_view *views, const char captions[][32], const char *title, hs_picture *out,
-                       hs_error *err) {
-    hs_panel_item full[HS_ORBIT_VIEWS], result[HS_ORBIT_VIEWS];
-    for (uint32_t i = 0; i < HS_ORBIT_VIEWS; i++) {
-        full[i] = (hs_panel_item){.caption = captions[i], .image = rgba_image(&views[i], views[i].full)};
-        result[i] = (hs_panel_item){.caption = views[i].frame.clipped ? "result" : "result: not clipped",
-                                    .image = rgba_image(&views[i], views[i].result)};
-    }
-    const hs_caption upper_caption = {.title = title}, lower_caption = {0};
-    hs_picture upper = {0}, lower = {0};
-    const bool ok = hs_picture_panel(&upper, full, HS_ORBIT_VIEWS, ORBIT_CELL, &upper_caption, err) &&
-                    hs_picture_panel(&lower, result, HS_ORBIT_VIEWS, ORBIT_CELL, &lower_caption, err) &&
-                    stack(&upper, &lower, out, err);
-    hs_picture_free(&upper);
-    hs_picture_free(&lower);
-    return ok;
-}
-
-bool hs_loop_write_orbit(hs_loop *loop, const hs_loop_options *options, const char *folder, const char *title,
-                         hs_error *err) {
-    hs_view views[HS_ORBIT_VIEWS] = {0};
-    char captions[HS_ORBIT_VIEWS][32];
-    bool ok = true;
-    for (uint32_t i = 0; ok && i < HS_ORBIT_VIEWS; i++) {
-        const uint32_t index = i * (options->frames - 1) / (HS_ORBIT_VIEWS - 1);
-        (void)snprintf(captions[i], sizeof captions[i], "full, yaw %+.0f°", hs_loop_yaw(options, index));
-        ok = hs_loop_view(loop, index, &views[i], err);
-    }
-    hs_picture picture;
-    ok = ok && save(draw_orbit(views, (const char(*)[32])captions, title, &picture, err), &picture, folder,
-                    "orbit.png", err);
-    for (uint32_t i = 0; i < HS_ORBIT_VIEWS; i++) hs_view_free(&views[i]);
-    return ok;
 }

@@ -33,10 +33,4 @@ bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err
  * plugin failed with), or how many rays are not. NULL if there is nothing to say, else `out`. */
 const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes);
 
-#define HS_ORBIT_VIEWS 6u
-
-/* Writes orbit.png: six views of the loop's orbit, full volume above, result below. */
-bool hs_loop_write_orbit(hs_loop *loop, const hs_loop_options *options, const char *folder, const char *title,
-                         hs_error *err);
-
 #endif
