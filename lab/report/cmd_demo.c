@@ -136,9 +136,7 @@ static void keep_results(hs_demo_case *c, const hs_run *run) {
     const hs_loop_result *r = &run->results[HS_SETTING_SMARTVIS];
     const hs_frame frame = {
         .clipped = hs_outcome_clips(r->outcome), .doubt = r->doubt, .outcome = r->outcome, .stats = r->stats};
-    sv_param_info knob;
     c->clipped = frame.clipped;
-    c->has_knob = run->has_plugin && hs_plugin_find_primary(&run->plugin, &knob);
     c->plugin_ms = r->stage[HS_STAGE_PLUGIN].median;
     if (!hs_frame_note(&frame, hs_run_plugin_error(run)->text, c->note, sizeof c->note)) c->note[0] = '\0';
     for (int s = 0; s < HS_SETTING_COUNT; s++)

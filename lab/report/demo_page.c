@@ -118,19 +118,10 @@ static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
     show(page, out, c, hs_page_picture, "confidence.png", "the plugin's confidence in its depthmap",
          "Confidence: how sure the plugin is of the depthmap");
     hs_page_row_end(page);
-    const struct {
-        const char *file, *alt, *caption;
-    } wide[] = {
-        {"slices.png", "the result beside three slices", hs_page_slices_caption(c->clipped)},
-        {"positions.png", "the result for six surface positions",
-         "The result for six values of the plugin's primary parameter"},
-    };
-    for (size_t i = 0; i < sizeof wide / sizeof *wide; i++) {
-        if (i == 1 && !(c->has_knob && c->clipped)) continue; /* nothing that moves */
-        hs_page_wide_row_begin(page);
-        show(page, out, c, hs_page_photo, wide[i].file, wide[i].alt, wide[i].caption);
-        hs_page_row_end(page);
-    }
+    hs_page_wide_row_begin(page);
+    show(page, out, c, hs_page_photo, "slices.png", "the result beside three slices",
+         hs_page_slices_caption(c->clipped));
+    hs_page_row_end(page);
     hs_page_fold_end(page);
     hs_page_folded(page, "Times and statistics", c->printed ? c->printed : "");
 }

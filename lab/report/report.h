@@ -184,7 +184,7 @@ typedef struct {
     /* What came of it. */
     char what[300]; /* a sentence on the source */
     char note[400]; /* why it is not clipped, or not all of it; empty: it is */
-    bool clipped, has_truth, has_knob;
+    bool clipped, has_truth;
     bool truth_cut;   /* its picture of the truth shows a cut (hs_truth_shows_cut) */
     double cut, left; /* shares, 0 .. 1; NAN: not known */
     double plugin_ms;

@@ -35,7 +35,7 @@ page=$work/demo/index.html
 # What is waited for is said before the first case is.
 holds [ "$(grep -n 'OpenCL compiles' "$work/stderr" | cut -d : -f 1)" = 1 ]
 for case in example D01 E01 E02; do
-    for picture in result full truth panel slices depthmap confidence positions; do holds [ -s "$work/demo/$case/$picture.png" ]; done
+    for picture in result full truth panel slices depthmap confidence; do holds [ -s "$work/demo/$case/$picture.png" ]; done
     # The rendering of the ground truth differs from the full volume's: something hides the fetus.
     holds [ "$(cmp -s "$work/demo/$case/full.png" "$work/demo/$case/truth.png"; echo $?)" = 1 ]
     # And the plugin takes some of it away.
@@ -51,8 +51,8 @@ holds [ -s "$work/demo/hidden_probe_vol/truth.png" ]
 
 # Self-contained: every picture is inlined and has a text; nothing is loaded from elsewhere; no script.
 pictures=$(grep -o '<img ' "$page" | wc -l)
-# One of the files has no surface, and so no confidence and no other positions.
-holds [ "$pictures" -eq $((6 * 8 + 2 * 7 + 7 - 2)) ]
+# One of the files has no surface, and so no confidence.
+holds [ "$pictures" -eq $((6 * 6 + 2 * 5 + 5 - 1)) ]
 holds [ "$(grep -o '<img alt="[^"][^"]*" src="data:image/\(png;base64,iVBORw0KGgo\|jpeg;base64,/9j/\)' "$page" | wc -l)" -eq "$pictures" ]
 holds [ "$(grep -c 'https\?://\|<script\|<link\|url(' "$page")" -eq 0 ]
 holds grep -q 'name="viewport"' "$page"

@@ -209,12 +209,9 @@ bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
         hs_view_free(&view);
         return written;
     }
-    const bool ok =
-        hs_loop_write_pictures(&view, folder, title,
-                               hs_frame_note(&view.frame, hs_run_plugin_error(run)->text, note, sizeof note),
-                               run->request.panel_cell, err) &&
-        hs_loop_write_knob(run->loop, run->has_plugin ? &run->plugin : NULL, &run->request.loop, middle,
-                           folder, title, err);
+    const bool ok = hs_loop_write_pictures(
+        &view, folder, title, hs_frame_note(&view.frame, hs_run_plugin_error(run)->text, note, sizeof note),
+        run->request.panel_cell, err);
     hs_view_free(&view);
     return ok;
 }

@@ -7,13 +7,6 @@
 #include "loop/view.h"
 
 /*
- * Writes positions.png: the result of frame `index` for six positions of the plugin's primary parameter, from
- * one end of its display range to the other. Writes nothing if the plugin has no such parameter.
- */
-bool hs_loop_write_knob(hs_loop *loop, const hs_plugin *plugin, const hs_loop_options *options,
-                        uint32_t index, const char *folder, const char *title, hs_error *err);
-
-/*
  * Writes, from one view:
  *   result.png, full.png, truth.png   the pictures alone (truth: scenes only)
  *   panel.png                         the same side by side
