@@ -58,16 +58,21 @@ static pid_t fork_child(void) {
     return pid;
 }
 
+/* A line of /proc about a process; "" if there is none. */
+static void read_proc(long pid, const char *what, char *text, size_t bytes) {
+    char path[64];
+    (void)snprintf(path, sizeof path, "/proc/%ld/%s", pid, what);
+    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    const ssize_t length = file < 0 ? 0 : read(file, text, bytes - 1);
+    if (file >= 0) (void)close(file);
+    text[length > 0 ? length : 0] = '\0';
+}
+
 /* True for an orphan of a child that has ended. What others start in this process has the process's group. */
 static bool is_stray(long pid) {
-    char path[64], text[512];
+    char text[512];
     int parent = 0, group = 0;
-    (void)snprintf(path, sizeof path, "/proc/%ld/stat", pid);
-    const int file = open(path, O_RDONLY | O_CLOEXEC);
-    if (file < 0) return false;
-    const ssize_t length = read(file, text, sizeof text - 1);
-    (void)close(file);
-    text[length > 0 ? length : 0] = '\0';
+    read_proc(pid, "stat", text, sizeof text);
     const char *name_end = strrchr(text, ')');
     return name_end && sscanf(name_end + 1, " %*c %d %d", &parent, &group) == 2 && parent == getpid() &&
            group != getpgrp() && !replace_living((pid_t)pid, (pid_t)pid);
@@ -263,14 +268,9 @@ static bool has_ended(hs_child *child, int options) {
 
 /* Bytes of resident memory that the child shares with nobody; 0 if the system does not tell. */
 static uint64_t own_memory(pid_t pid) {
-    char path[64], text[128];
+    char text[128];
     unsigned long long resident = 0, shared = 0;
-    (void)snprintf(path, sizeof path, "/proc/%ld/statm", (long)pid);
-    const int file = open(path, O_RDONLY | O_CLOEXEC);
-    if (file < 0) return 0;
-    const ssize_t length = read(file, text, sizeof text - 1);
-    (void)close(file);
-    text[length > 0 ? length : 0] = '\0';
+    read_proc(pid, "statm", text, sizeof text);
     if (sscanf(text, "%*u %llu %llu", &resident, &shared) != 2 || resident < shared) return 0;
     return (uint64_t)(resident - shared) * (uint64_t)sysconf(_SC_PAGESIZE);
 }

@@ -36,6 +36,9 @@ void hs_maps_crop(hs_maps *maps, const hs_source *source);
 bool hs_loop_pick(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_frame *frame, hs_camera *window,
                   uint32_t *steps, float *ends, hs_error *err);
 
+/* A map at a place between its pixels, as the renderer has it: bilinear, clamped at the edges. */
+double hs_map_at(const float *map, uint32_t width, uint32_t height, double column, double row);
+
 /* Frees everything. Safe on a zeroed struct. */
 void hs_maps_free(hs_maps *maps);
 

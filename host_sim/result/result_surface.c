@@ -60,17 +60,9 @@ static void find_voxel_to_map(const hs_maps *maps, const hs_volume *volume, voxe
     }
 }
 
-/* The depth in slices at which a ray through a place of the map begins, as the renderer has it: bilinear
- * between the pixels, clamped at the edges; 0 if nothing is clipped there. */
+/* The depth in slices at which a ray through a place of the map begins; 0 if nothing is clipped there. */
 static double depth_at(const hs_maps *maps, double column, double row) {
-    const double x = fmin(fmax(column, 0.0), maps->width - 1.0), y = fmin(fmax(row, 0.0), maps->height - 1.0);
-    const uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y;
-    const uint32_t x1 = x0 + 1 < maps->width ? x0 + 1 : x0, y1 = y0 + 1 < maps->height ? y0 + 1 : y0;
-    const double fx = x - x0, fy = y - y0;
-    const float *near = maps->depth + (size_t)y0 * maps->width, *far = maps->depth + (size_t)y1 * maps->width;
-    const double a = (double)near[x0] + fx * ((double)near[x1] - (double)near[x0]);
-    const double b = (double)far[x0] + fx * ((double)far[x1] - (double)far[x0]);
-    const double depth = a + fy * (b - a);
+    const double depth = hs_map_at(maps->depth, maps->width, maps->height, column, row);
     return depth > 0.0 && isfinite(depth) ? depth : 0.0;
 }
 

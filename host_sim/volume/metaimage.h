@@ -66,7 +66,7 @@ typedef struct {
 /*
  * A file that is being read, of one volume or of a sequence of them. One thread at a time.
  *
- * Open: `path` must outlive it, and `err` the calls of _next, whose errors it receives, too. A type that must
+ * Open: `path` must outlive it. A type that must
  * be mapped to 8 bit is read through for its range first, all volumes together, so that brightness means the
  * same in all of them. NULL on failure; errors as in hs_metaimage_read.
  */
@@ -74,7 +74,7 @@ typedef struct hs_metaimage hs_metaimage;
 hs_metaimage *hs_metaimage_open(const char *path, const hs_metaimage_options *opt, hs_error *err);
 void hs_metaimage_close(hs_metaimage *file); /* NULL is allowed */
 
-/* How many volumes _next gives: 1 .. 100000. Those that the file itself calls invalid (ImageStatus) are left
+/* How many volumes it has: 1 .. 100000. Those that the file itself calls invalid (ImageStatus) are left
  * out. */
 uint32_t hs_metaimage_volumes(const hs_metaimage *file);
 uint32_t hs_metaimage_left_out(const hs_metaimage *file);
@@ -88,10 +88,6 @@ bool hs_metaimage_range(const hs_metaimage *file, double *low, double *high);
 
 /* How, and what lies outside the scan. The file's. */
 const hs_levels *hs_metaimage_levels(const hs_metaimage *file);
-
-/* The next volume, which the caller frees, and what the file says about it (`fields` may be NULL). Called at
- * most hs_metaimage_volumes times; with the last one it is checked that the data ends there. */
-bool hs_metaimage_next(hs_metaimage *file, hs_volume *out, hs_frame_fields *fields);
 
 /*
  * Reads volume `index` (0 .. hs_metaimage_volumes - 1), in any order. A zeroed `volume` is made, and the

@@ -32,7 +32,6 @@ struct hs_metaimage {
     uint8_t
         *table; /* of types of one or two bytes that are mapped: the level of every bit pattern; else NULL */
     double *maps;     /* of what was scanned, or NULL */
-    uint32_t next;    /* the volume that comes next */
     uint32_t valid;   /* volumes whose image is one */
     uint32_t *frames; /* where those are in the file, invalid ones included */
 };
@@ -329,14 +328,6 @@ bool hs_metaimage_read_at(hs_metaimage *file, uint32_t index, hs_volume *volume,
     return read_volume(file, index, volume);
 }
 
-bool hs_metaimage_next(hs_metaimage *m, hs_volume *out, hs_frame_fields *fields) {
-    memset(out, 0, sizeof *out);
-    const uint32_t index = m->next++;
-    const hs_frame_fields *said = hs_metaimage_fields(m, index);
-    if (fields) *fields = said ? *said : (hs_frame_fields){0};
-    return read_volume(m, index, out);
-}
-
 void hs_metaimage_close(hs_metaimage *file) {
     if (!file) return;
     hs_met_voxels_close(file->voxels);
@@ -355,7 +346,7 @@ bool hs_metaimage_read(const char *path, const hs_metaimage_options *opt, hs_vol
                                           "%s:%u: DimSize is %s: a sequence of %u volumes, expected one "
                                           "volume",
                                           path, m->header->dim_line, m->header->size_text, m->header->frames);
-    ok = ok && hs_metaimage_next(m, out, NULL);
+    ok = ok && read_volume(m, 0, out);
     hs_metaimage_close(m);
     return ok;
 }

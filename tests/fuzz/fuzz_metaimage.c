@@ -36,14 +36,14 @@ static void read_sequence(const char *path, const hs_metaimage_options *options)
     if (!file) FUZZ_HOLDS(err.code != HS_OK && err.text[0]);
     const uint32_t volumes = file ? hs_metaimage_volumes(file) : 0;
     for (uint32_t i = 0; i < volumes && i < 64; i++) {
-        hs_volume volume;
-        hs_frame_fields fields;
-        if (!hs_metaimage_next(file, &volume, &fields)) {
+        hs_volume volume = {0};
+        const hs_frame_fields *fields = hs_metaimage_fields(file, i);
+        if (!hs_metaimage_read_at(file, i, &volume, &err)) {
             FUZZ_HOLDS(err.code != HS_OK && err.text[0] && !volume.voxels);
             break;
         }
         check_volume(&volume);
-        FUZZ_HOLDS(fields.transform_count <= HS_FRAME_TRANSFORMS && !fields.invalid);
+        FUZZ_HOLDS(!fields || (fields->transform_count <= HS_FRAME_TRANSFORMS && !fields->invalid));
         hs_volume_free(&volume);
     }
     if (file) read_at_random(file, volumes);

@@ -29,12 +29,12 @@ static void volumes_come_one_after_the_other(void **state) {
         assert_int_equal(hs_metaimage_volumes(file), 4);
         assert_int_equal(hs_metaimage_left_out(file), 0);
         for (int f = 0; f < 4; f++) {
-            hs_volume volume;
-            hs_frame_fields fields;
-            assert_true(hs_metaimage_next(file, &volume, &fields));
+            hs_volume volume = {0};
+            assert_true(hs_metaimage_read_at(file, (uint32_t)f, &volume, &err));
             assert_int_equal(volume.nz, 2);
             for (int i = 0; i < VOXELS; i++) assert_int_equal(volume.voxels[i], f * 10 + i + 1);
-            assert_false(fields.has_time);
+            const hs_frame_fields *fields = hs_metaimage_fields(file, (uint32_t)f);
+            assert_false(fields && fields->has_time);
             hs_volume_free(&volume);
         }
         hs_metaimage_close(file);
@@ -52,19 +52,15 @@ static void what_is_said_of_a_volume_is_kept(void **state) {
                    2);
     hs_metaimage *file = hs_metaimage_open(files_path("said.mha"), NULL, &err);
     assert_non_null(file);
-    hs_volume volume;
-    hs_frame_fields f;
-    assert_true(hs_metaimage_next(file, &volume, &f));
+    hs_frame_fields f = *hs_metaimage_fields(file, 0);
     assert_true(f.has_time && f.time == 1.25 && f.transform_count == 0);
-    hs_volume_free(&volume);
-    assert_true(hs_metaimage_next(file, &volume, &f));
+    f = *hs_metaimage_fields(file, 1);
     assert_true(f.has_time && f.time == 1.5);
     assert_int_equal(f.transform_count, 1);
     assert_string_equal(f.transforms[0].name, "ProbeToTracker");
     assert_string_equal(f.transforms[0].status, "OUT_OF_VIEW");
     static const double matrix[16] = {0, -1, 0, 10.5, 1, 0, 0, 20, 0, 0, 1, 30, 0, 0, 0, 1};
     for (int i = 0; i < 16; i++) assert_true(f.transforms[0].matrix[i] == matrix[i]);
-    hs_volume_free(&volume);
     hs_metaimage_close(file);
 }
 

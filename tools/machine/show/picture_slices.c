@@ -31,18 +31,9 @@ static uint8_t voxel_at(const hs_slice_scene *s, const hs_box_map *map, const do
     return hs_box_map_voxel(map, v, box, at) ? v->voxels[((size_t)at[2] * v->ny + at[1]) * v->nx + at[0]] : 0;
 }
 
-/* A map of the low-resolution volume at a place of the box: bilinear, as the renderer has it. */
+/* A map of the low-resolution volume at a place of the box. */
 static double map_at(const hs_slice_scene *s, const float *map, double u, double v) {
-    const double x = fmin(fmax(u * s->map_width - 0.5, 0.0), s->map_width - 1.0);
-    const double y = fmin(fmax(v * s->map_height - 0.5, 0.0), s->map_height - 1.0);
-    const uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y;
-    const uint32_t x1 = x0 + 1 < s->map_width ? x0 + 1 : x0, y1 = y0 + 1 < s->map_height ? y0 + 1 : y0;
-    const float *top = map + (size_t)y0 * s->map_width;
-    const float *low = map + (size_t)y1 * s->map_width;
-    const double fx = x - x0, fy = y - y0;
-    const double a = (double)top[x0] + fx * ((double)top[x1] - (double)top[x0]);
-    const double b = (double)low[x0] + fx * ((double)low[x1] - (double)low[x0]);
-    return a + fy * (b - a);
+    return hs_map_at(map, s->map_width, s->map_height, u * s->map_width - 0.5, v * s->map_height - 0.5);
 }
 
 /* Where a ray of the box starts, 0 .. 1 of its depth; negative where nothing is clipped. */
