@@ -12,17 +12,21 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { PART = 1 << 18, NAME = 200, SAME_NAME = 100 };
 
 void hs_console_drop_open(hs_console_files *files) {
-    char folder[PATH_MAX];
+    char token[HS_CONSOLE_TOKEN], real[PATH_MAX], folder[PATH_MAX + 64];
+    hs_error ignored = {0};
     const char *const where = getenv("TMPDIR");
-    (void)snprintf(folder, sizeof folder, "%s/host_sim_console_XXXXXX", where && where[0] ? where : "/tmp");
-    char *real = mkdtemp(folder) ? realpath(folder, NULL) : NULL;
-    files->drops = real != NULL;
-    if (real) files->folder[files->count++] = real;
+    if (!hs_console_make_token(token, &ignored) || !realpath(where && where[0] ? where : "/tmp", real))
+        return;
+    (void)snprintf(folder, sizeof folder, "%s/host_sim_console_%s", real, token);
+    files->folder[files->count] = strdup(folder);
+    files->drops = files->folder[files->count] != NULL;
+    files->count += files->drops;
 }
 
 void hs_console_drop_close(const hs_console_files *files) {
@@ -86,6 +90,7 @@ bool hs_console_drop_take(const hs_console_files *files, const char *given, uint
     if (length > NAME || (strcasecmp(ending, ".mha") != 0 && strcasecmp(ending, ".vol") != 0))
         return hs_fail(err, HS_ERR_INPUT, "%.60s: only .mha and .vol can be dropped.", given);
     if (!files->drops) return hs_fail(err, HS_ERR_OUTPUT, "%s: the console has no folder for it.", given);
+    (void)mkdir(files->folder[files->count - 1], 0700); /* nobody else knows its name */
     const int file = make_file(files->folder[files->count - 1], given, name, path);
     if (file < 0) return hs_fail(err, HS_ERR_OUTPUT, "%s: no copy can be made: %s.", given, strerror(errno));
     bool ok = copy(file, given, bytes, receive, connection, err);

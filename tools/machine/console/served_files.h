@@ -45,7 +45,7 @@ bool hs_console_files_find(const hs_console_files *files, uint32_t folder, const
 
 #define HS_CONSOLE_DROP_BYTES (UINT64_C(2) << 30) /* of all copies of a console */
 
-/* Makes the folder, which is the last one of `files`; where none can be made, nothing can be dropped. */
+/* Names the folder, which is the last one of `files` and is made for the first file. */
 void hs_console_drop_open(hs_console_files *files);
 
 /* Removes the folder and what is in it. */
