@@ -18,24 +18,30 @@ double ref_voxel(const hs_volume *volume, int64_t x, int64_t y, int64_t z) {
     return volume->voxels[((size_t)z * volume->ny + (size_t)y) * volume->nx + (size_t)x];
 }
 
-double ref_trilinear(const hs_volume *volume, const double position[3], double (*weight)(double)) {
-    const int64_t count[3] = {volume->nx, volume->ny, volume->nz};
-    int64_t corner[2][3];
+double ref_linear(const uint8_t *data, const uint32_t n[3], const double position[3],
+                  double (*weight)(double)) {
+    uint32_t corner[2][3];
     double fraction[3], sum = 0.0;
     for (int k = 0; k < 3; k++) {
-        double p = fmin(fmax(position[k], 0.0), (double)(count[k] - 1));
-        corner[0][k] = (int64_t)floor(p);
-        corner[1][k] = corner[0][k] + 1 < count[k] ? corner[0][k] + 1 : corner[0][k];
+        const double p = fmin(fmax(position[k], 0.0), n[k] - 1.0);
+        corner[0][k] = (uint32_t)p;
+        corner[1][k] = corner[0][k] + 1 < n[k] ? corner[0][k] + 1 : corner[0][k];
         fraction[k] = p - floor(p);
     }
     for (int i = 0; i < 8; i++) {
         const int b[3] = {i & 1, i >> 1 & 1, i >> 2 & 1};
         double share = 1.0;
         for (int k = 0; k < 3; k++) share *= b[k] ? fraction[k] : 1.0 - fraction[k];
-        double value = ref_voxel(volume, corner[b[0]][0], corner[b[1]][1], corner[b[2]][2]);
+        const double value =
+            data[((size_t)corner[b[2]][2] * n[1] + corner[b[1]][1]) * n[0] + corner[b[0]][0]];
         sum += share * (weight ? weight(value) : value);
     }
     return sum;
+}
+
+double ref_trilinear(const hs_volume *volume, const double position[3], double (*weight)(double)) {
+    return ref_linear(volume->voxels, (const uint32_t[]){volume->nx, volume->ny, volume->nz}, position,
+                      weight);
 }
 
 bool ref_inside(const hs_volume *volume, const double position[3], double *margin) {
@@ -49,28 +55,24 @@ bool ref_inside(const hs_volume *volume, const double position[3], double *margi
     return inside;
 }
 
-/* The depthmap under a pixel: bilinear between its pixel centres, its edges extended; 0 next to unknown
- * depths. */
-static double ref_depth(const ref_depthmap *map, double u, double v) {
-    double x = fmin(fmax(u * map->width - 0.5, 0.0), map->width - 1.0);
-    double y = fmin(fmax(v * map->height - 0.5, 0.0), map->height - 1.0);
-    uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y;
-    uint32_t x1 = x0 + 1 < map->width ? x0 + 1 : x0, y1 = y0 + 1 < map->height ? y0 + 1 : y0;
-    double top =
-        map->depth[y0 * map->width + x0] * (1.0 - (x - x0)) + map->depth[y0 * map->width + x1] * (x - x0);
-    double low =
-        map->depth[y1 * map->width + x0] * (1.0 - (x - x0)) + map->depth[y1 * map->width + x1] * (x - x0);
-    double depth = top * (1.0 - (y - y0)) + low * (y - y0);
-    bool finite = isfinite(map->depth[y0 * map->width + x0]) && isfinite(map->depth[y0 * map->width + x1]) &&
-                  isfinite(map->depth[y1 * map->width + x0]) && isfinite(map->depth[y1 * map->width + x1]);
-    return finite ? depth : 0.0; /* an unknown depth clips nothing */
+double ref_map_value(const ref_depthmap *map, const float *values, double u, double v) {
+    const double x = fmin(fmax(u * map->width - 0.5, 0.0), map->width - 1.0);
+    const double y = fmin(fmax(v * map->height - 0.5, 0.0), map->height - 1.0);
+    const uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y;
+    const uint32_t x1 = x0 + 1 < map->width ? x0 + 1 : x0, y1 = y0 + 1 < map->height ? y0 + 1 : y0;
+    const double fx = x - x0, fy = y - y0;
+    const double top =
+        (1.0 - fx) * (double)values[y0 * map->width + x0] + fx * (double)values[y0 * map->width + x1];
+    const double low =
+        (1.0 - fx) * (double)values[y1 * map->width + x0] + fx * (double)values[y1 * map->width + x1];
+    return (1.0 - fy) * top + fy * low;
 }
 
-/* The confidence under a pixel, by the same interpolation. */
-static double ref_confidence(const ref_depthmap *map, double u, double v) {
-    const ref_depthmap as_depth = {
-        .depth = map->confidence, .width = map->width, .height = map->height, .slices = map->slices};
-    return map->confidence ? ref_depth(&as_depth, u, v) : 1.0;
+/* The depth under a pixel. One that is unknown clips nothing, and makes all beside it so: it times 0 is no
+ * number. */
+static double ref_depth(const ref_depthmap *map, double u, double v) {
+    const double depth = ref_map_value(map, map->depth, u, v);
+    return isfinite(depth) ? depth : 0.0;
 }
 
 /* Eq. 3.25 as corrected, and with a window that grows towards the viewer where the confidence is low: the
@@ -94,7 +96,7 @@ ref_pixel ref_dvr_pixel(const hs_volume *volume, const hs_camera *camera, const 
     double depth = map->depth ? ref_depth(map, u, v) : 0.0;
     if (depth != 0.0) pixel.margin = fmin(pixel.margin, fabs(depth));
     double surface = (depth + 0.5) / (map->depth ? map->slices : 1.0) * slices / step - 0.5;
-    double confidence = ref_confidence(map, u, v);
+    double confidence = map->confidence ? ref_map_value(map, map->confidence, u, v) : 1.0;
     double opacity = 0.0, light = 0.0;
     for (double n = 0.0; n < steps; n += 1.0) {
         double position[3], face = 1.0, decision = 1.0;

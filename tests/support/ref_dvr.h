@@ -31,7 +31,13 @@ double ref_voxel(const hs_volume *volume, int64_t x, int64_t y, int64_t z);
 
 /* Trilinear; beyond the outer voxel centres the nearest voxel counts. weight(value) is applied to every
  * voxel; NULL: the value itself. */
+double ref_linear(const uint8_t *data, const uint32_t n[3], const double position[3],
+                  double (*weight)(double));
 double ref_trilinear(const hs_volume *volume, const double position[3], double (*weight)(double));
+
+/* One of a map's arrays under a place of the picture, 0 .. 1: bilinear between its pixels' centres, its edges
+ * extended. */
+double ref_map_value(const ref_depthmap *map, const float *values, double u, double v);
 
 /* Is the position in the volume's box, a thousandth of a voxel larger on every side? *margin becomes the
  * distance to a face, in voxels, if that is smaller. */

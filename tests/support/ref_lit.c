@@ -6,10 +6,6 @@
 #define SURFACE 0.69314718055994531
 #define DEGREE  0.017453292519943295
 
-static uint32_t smaller(uint32_t a, uint32_t b) {
-    return a < b ? a : b;
-}
-
 typedef struct {
     const hs_volume *volume;
     const ref_lit_volume *lit;
@@ -28,29 +24,11 @@ static void index_at(const ray *r, const double box[3], double out[3]) {
     for (int k = 0; k < 3; k++) out[k] = (out[k] - 0.5 * (f - 1.0)) / f + REF_LIT_BORDER;
 }
 
-/* Trilinear, with the outermost voxels carried on. */
-static double linear(const uint8_t *data, const uint32_t n[3], const double at[3]) {
-    double sum = 0.0, fraction[3];
-    uint32_t low[3];
-    for (int k = 0; k < 3; k++) {
-        const double p = fmin(fmax(at[k], 0.0), n[k] - 1.0);
-        low[k] = smaller((uint32_t)p, n[k] > 1 ? n[k] - 2 : 0);
-        fraction[k] = p - low[k];
-    }
-    for (uint32_t i = 0; i < 8; i++) {
-        const uint32_t b[3] = {i & 1, i >> 1 & 1, i >> 2};
-        double share = 1.0;
-        for (int k = 0; k < 3; k++) share *= b[k] ? fraction[k] : 1.0 - fraction[k];
-        if (share > 0.0) sum += share * data[ref_lit_index(n, low[0] + b[0], low[1] + b[1], low[2] + b[2])];
-    }
-    return sum;
-}
-
 static double intensity_at(const ray *r, double n) {
     const double box[3] = {r->u, r->v, n / r->steps};
     double at[3];
     index_at(r, box, at);
-    return linear(r->lit->smooth, r->lit->n, at);
+    return ref_linear(r->lit->smooth, r->lit->n, at, NULL);
 }
 
 /* The mean of ref_lit_limited(y) while y runs from a to b: by its antiderivative. */
@@ -59,20 +37,6 @@ static double whole(double y) {
 }
 static double mean_opacity(double a, double b) {
     return fabs(b - a) < 1e-6 ? ref_lit_limited(0.5 * (a + b)) : (whole(b) - whole(a)) / (b - a);
-}
-
-/* A map's value under a place of the box: bilinear. */
-static double map_value(const ref_depthmap *map, const float *values, double u, double v) {
-    const double x = fmin(fmax(u * map->width - 0.5, 0.0), map->width - 1.0);
-    const double y = fmin(fmax(v * map->height - 0.5, 0.0), map->height - 1.0);
-    const uint32_t x0 = (uint32_t)x, y0 = (uint32_t)y;
-    const uint32_t x1 = smaller(x0 + 1, map->width - 1), y1 = smaller(y0 + 1, map->height - 1);
-    const double fx = x - x0, fy = y - y0;
-    const double top =
-        (1.0 - fx) * (double)values[y0 * map->width + x0] + fx * (double)values[y0 * map->width + x1];
-    const double low =
-        (1.0 - fx) * (double)values[y1 * map->width + x0] + fx * (double)values[y1 * map->width + x1];
-    return (1.0 - fy) * top + fy * low;
 }
 
 /* Where ghosting of a depth is over, in samples; far before the box where nothing is clipped. */
@@ -107,7 +71,7 @@ static double mean_opacity_at(const ray *r, const spot *p) {
         at[k] = (p->at[k] - 0.5 * (b - 1.0)) / b;
         if (at[k] < -0.5 || at[k] > r->lit->cells[k] - 0.5) return 0.0;
     }
-    return linear(r->lit->opacity, r->lit->cells, at) / 255.0;
+    return ref_linear(r->lit->opacity, r->lit->cells, at, NULL) / 255.0;
 }
 
 /* Mean opacity at a place; 0 in what the map's nearest pixel removes. */
@@ -171,7 +135,8 @@ static double normal_at(const ray *r, const spot *p, double normal[3]) {
     double at[3], wide[3];
     for (int k = 0; k < 3; k++)
         at[k] = (p->at[k] - REF_LIT_BORDER - 0.5 * (side - 1.0)) / side + REF_LIT_BORDER;
-    const double face = ref_lit_limited((0.8 - linear(lit->scanned, lit->shares, at) / 255.0) / 0.15);
+    const double face =
+        ref_lit_limited((0.8 - ref_linear(lit->scanned, lit->shares, at, NULL) / 255.0) / 0.15);
     slope_at(r, lit->smooth, lit->n, p->at, normal);
     slope_at(r, lit->scanned, lit->shares, at, wide);
     for (int k = 0; k < 3; k++) normal[k] += face * (wide[k] - normal[k]);
@@ -181,10 +146,10 @@ static double normal_at(const ray *r, const spot *p, double normal[3]) {
 
 static void map_normal(const ray *r, double normal[3]) {
     const double du = 2.0 / r->map->width, dv = 2.0 / r->map->height;
-    const double right = map_value(r->map, r->map->depth, r->u + du, r->v);
-    const double left = map_value(r->map, r->map->depth, r->u - du, r->v);
-    const double below = map_value(r->map, r->map->depth, r->u, r->v + dv);
-    const double above = map_value(r->map, r->map->depth, r->u, r->v - dv);
+    const double right = ref_map_value(r->map, r->map->depth, r->u + du, r->v);
+    const double left = ref_map_value(r->map, r->map->depth, r->u - du, r->v);
+    const double below = ref_map_value(r->map, r->map->depth, r->u, r->v + dv);
+    const double above = ref_map_value(r->map, r->map->depth, r->u, r->v - dv);
     const double slice = r->camera->depth_extent / r->map->slices;
     normal[0] = normal[1] = 0.0;
     normal[2] = -1.0;
@@ -231,7 +196,7 @@ static void shade(const ray *r, double n, double c, double rgb[3]) {
         normalise(normal);
     }
     const spot in = moved(r, p, normal, -3.0 * face * r->sample);
-    const double echo = linear(r->lit->smooth, r->lit->n, in.at) / 255.0;
+    const double echo = ref_linear(r->lit->smooth, r->lit->n, in.at, NULL) / 255.0;
     const double grey = 0.3 * tone[0] + 0.59 * tone[1] + 0.11 * tone[2];
     for (int k = 0; k < 3; k++) {
         tone[k] += 0.7 * pale * (grey * (k == 2 ? 1.04 : 1.0) - tone[k]);
@@ -293,7 +258,8 @@ static void take_step(const ray *r, met *m, double a, double over, double y0, do
     m->depth += depth;
     if (over >= a && over < a + 1.0) m->cut = ref_lit_limited(y);
     if (!r->map->depth || !((double)r->s->ghost_width > 0.0)) return;
-    const double growth = r->map->confidence ? 1.0 - map_value(r->map, r->map->confidence, r->u, r->v) : 0.0;
+    const double growth =
+        r->map->confidence ? 1.0 - ref_map_value(r->map, r->map->confidence, r->u, r->v) : 0.0;
     const double width =
         (double)r->s->ghost_width * (1.0 + (double)r->s->ghost_doubt * growth) / r->lit->factor;
     const double factor = ref_lit_limited((a + 0.5 * part - (over - width)) / width);
@@ -334,7 +300,7 @@ void ref_lit_pixel(const hs_volume *volume, const ref_lit_volume *lit, const hs_
     r.edge = cbrt(volume->nx * volume->spacing[0] * volume->ny * volume->spacing[1] * volume->nz *
                   volume->spacing[2]);
     r.unit = r.edge / 64.0;
-    const double over = map->depth ? over_at(&r, map_value(map, map->depth, r.u, r.v)) : -1e30;
+    const double over = map->depth ? over_at(&r, ref_map_value(map, map->depth, r.u, r.v)) : -1e30;
     const met m = walk(&r, over);
     rgb[0] = rgb[1] = rgb[2] = 0.0;
     if (m.depth > 0.0) {

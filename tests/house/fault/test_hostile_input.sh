@@ -44,26 +44,13 @@ for name in ../evil /tmp/evil .hidden a/b ''; do
     expect 3 "evil.json: name: is '$name', expected a part of a file's name" scenes ./evil.json --export --out out/deep
 done
 holds [ -z "$(find . -name '*evil*.mha')" ]
-head -c 4096 /dev/zero > near.raw
-mkdir -p sub
-cp near.raw sub/below.raw
-for file in /etc/hostname ../near.raw sub/../../near.raw ..; do
-    for size in "HeaderSize = -1" "Comment = none"; do
-        volume away.mhd "1 1 1" "$size" "ElementDataFile = $file"
-        expect 3 "ElementDataFile is '$file', expected a file in the header's folder or below" info away.mhd
-    done
-done
-for file in near.raw sub/below.raw ./near.raw; do
-    volume good.mhd "1 1 1" "HeaderSize = -1" "ElementDataFile = $file"
-    expect 0 "" info good.mhd
-done
-
 # ---- what waits for ever
-mkfifo pipe.json pipe.mha
+mkfifo pipe.json
 expect 3 "pipe.json: cannot be read: not a regular file" run --scene ./pipe.json
-expect 3 "pipe.mha: cannot be read: not a regular file" run --volume pipe.mha
 
 # ---- a spacing that is the file's fault
+head -c 4096 /dev/zero > near.raw
+volume good.mhd "1 1 1" "ElementDataFile = near.raw"
 volume flat.mhd "0.001 1 1" "ElementDataFile = near.raw"
 expect 3 "flat.mhd: voxels of 0.001 x 1 x 1 mm" run --volume flat.mhd --frames 1 --out out
 
