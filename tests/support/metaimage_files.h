@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes MetaImage files in a folder of their own, byte by byte and without the code under test. */
+/* A folder for the files of a test, and MetaImage files in it, byte by byte and without the code under test.
+ */
 #ifndef METAIMAGE_FILES_H
 #define METAIMAGE_FILES_H
 

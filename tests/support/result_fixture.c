@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/result_fixture.h"
 
-#include <limits.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 const double source_directions[9] = {0.8, 0.6, 0, -0.48, 0.64, 0.6, -0.36, 0.48, -0.8};
 const double source_spacing[3] = {0.9, 0.6, 0.75};
 const double source_offset[3] = {12.5, -40, 1000};
-
-static char folder[64];
 
 /* Noise, so that no two neighbours are alike. */
 int16_t source_voxel(size_t i) {
@@ -35,21 +31,12 @@ void source_write(const char *path, uint32_t frames, const char *lines) {
     assert_int_equal(fclose(file), 0);
 }
 
-const char *result_path(const char *name) {
-    static char paths[4][PATH_MAX];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    (void)snprintf(path, PATH_MAX, "%s/%s", folder, name);
-    return path;
-}
-
 int result_set_up(void **state) {
     static result_fixture f;
     hs_error err = {0};
-    (void)snprintf(folder, sizeof folder, "/tmp/sv_results_XXXXXX");
-    if (!mkdtemp(folder) || !hs_cl_open(&f.cl, &err)) return -1;
+    if (files_setup(state) != 0 || !hs_cl_open(&f.cl, &err)) return -1;
     f.plugin = open_plugin("plane");
-    (void)snprintf(f.source, sizeof f.source, "%s", result_path("source.mha"));
+    (void)snprintf(f.source, sizeof f.source, "%s", files_path("source.mha"));
     source_write(f.source, 1, "");
     *state = &f;
     return 0;
@@ -62,8 +49,9 @@ int result_tear_down(void **state) {
     result_fixture *f = *state;
     unit_return(NULL);
     hs_cl_close(&f->cl);
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++) (void)unlink(result_path(known[i]));
-    return rmdir(folder);
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) (void)unlink(files_path(known[i]));
+    const int left = files_count();
+    return files_teardown(state) || left;
 }
 
 hs_loop_options result_options(sv_param_value *values) {
@@ -89,7 +77,7 @@ hs_result_report result_write(const result_fixture *f, const char *const *paths,
     hs_result_report report;
     hs_loop *loop = result_loop(f, paths, count, read, options, &source);
     if (!hs_results_write(loop, source, what & ~(uint32_t)HS_RESULT_CONFIDENCE, what & HS_RESULT_CONFIDENCE,
-                          folder, &report, &err))
+                          files_path(""), &report, &err))
         fail_msg("%s", err.text);
     return report;
 }

@@ -6,6 +6,7 @@
 
 #include "result/result_write.h"
 #include "support/loop_fixture.h"
+#include "support/metaimage_files.h"
 
 enum { SOURCE_X = 40, SOURCE_Y = 48, SOURCE_Z = 44, SOURCE_LOWEST = -700 };
 enum { SOURCE_VOXELS = SOURCE_X * SOURCE_Y * SOURCE_Z };
@@ -31,9 +32,6 @@ typedef struct {
  * have. */
 int result_set_up(void **state);
 int result_tear_down(void **state);
-
-/* The path of a file in the folder. Good for three more calls. */
-const char *result_path(const char *name);
 
 /* Options for a depthmap of a tilted plane; `values` has room for 2. */
 hs_loop_options result_options(sv_param_value *values);

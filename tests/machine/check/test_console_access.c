@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Who may talk to the console: Host, Origin and token of a request; and which files it may name. */
 #include "console/console.h"
-#include "support/unit.h"
+#include "support/metaimage_files.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -84,47 +84,28 @@ static void a_token_must_be_whole(void **unused) {
 
 /* --------------------------------------------------------------------------------------------- files -- */
 
-static char root[] = "/tmp/console_files_XXXXXX";
-
-static void write_file(const char *name) {
-    char path[256];
-    (void)snprintf(path, sizeof path, "%s/%s", root, name);
-    FILE *out = fopen(path, "w");
-    assert_non_null(out);
-    fclose(out);
-}
-
 static void link_to(const char *target, const char *name) {
-    char path[256];
-    (void)snprintf(path, sizeof path, "%s/%s", root, name);
-    assert_int_equal(symlink(target, path), 0);
+    assert_int_equal(symlink(target, files_path(name)), 0);
 }
 
 /* given/ with volumes and links in it, and secret.mha beside it. */
 static int make_tree(void **state) {
     static const char *const folders[] = {"given", "given/deep", "given-not", "given/loop"};
-    char path[256];
-    assert_non_null(mkdtemp(root));
-    for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
-        (void)snprintf(path, sizeof path, "%s/%s", root, folders[i]);
-        assert_int_equal(mkdir(path, 0700), 0);
-    }
-    write_file("secret.mha");
-    write_file("given-not/near.mha");
-    write_file("given/a.mha");
-    write_file("given/b.VOL");
-    write_file("given/notes.txt");
-    write_file("given/deep/c.mhd");
-    write_file("given/.hidden.mha");
+    static const char *const names[] = {"secret.mha",       "given-not/near.mha", "given/a.mha",
+                                        "given/b.VOL",      "given/notes.txt",    "given/deep/c.mhd",
+                                        "given/.hidden.mha"};
+    assert_int_equal(files_setup(state), 0);
+    for (size_t i = 0; i < sizeof folders / sizeof *folders; i++)
+        assert_int_equal(mkdir(files_path(folders[i]), 0700), 0);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) files_write(names[i], NULL, NULL, 0);
     link_to("a.mha", "given/inside.mha");
     link_to("../secret.mha", "given/outside.mha");
     link_to("../given-not/near.mha", "given/near.mha");
     link_to("..", "given/up");
     link_to(".", "given/loop/again");
-    (void)snprintf(path, sizeof path, "%s/given", root);
     hs_console_files *files = calloc(1, sizeof *files);
     hs_error err = {0};
-    assert_true(hs_console_files_add(files, path, &err));
+    assert_true(hs_console_files_add(files, files_path("given"), &err));
     *state = files;
     return 0;
 }
@@ -133,7 +114,7 @@ static int remove_tree(void **state) {
     char command[300];
     hs_console_files_free(*state);
     free(*state);
-    (void)snprintf(command, sizeof command, "rm -rf '%s'", root);
+    (void)snprintf(command, sizeof command, "rm -rf '%s'", files_path(""));
     return system(command);
 }
 
@@ -163,7 +144,7 @@ static void nothing_outside_is_found(void **state) {
                                           "deep",
                                           ".",
                                           ""};
-    char path[1024], expected[300];
+    char path[1024];
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         hs_error err = {0};
         if (hs_console_files_find(*state, 0, refused[i], path, sizeof path, &err) || err.code != HS_ERR_INPUT)
@@ -172,8 +153,7 @@ static void nothing_outside_is_found(void **state) {
     hs_error err = {0};
     assert_false(hs_console_files_find(*state, 1, "a.mha", path, sizeof path, &err));
     assert_true(hs_console_files_find(*state, 0, "deep/../inside.mha", path, sizeof path, &err));
-    (void)snprintf(expected, sizeof expected, "%s/given/a.mha", root);
-    assert_string_equal(path, expected);
+    assert_string_equal(path, files_path("given/a.mha"));
 }
 
 static void what_is_no_folder_is_refused(void **state) {

@@ -4,7 +4,7 @@
 #include "picture/picture_draw.h"
 #include "show/picture_map.h"
 #include "smartvis_plugin.h"
-#include "support/unit.h"
+#include "support/metaimage_files.h"
 
 #include <limits.h>
 #include <math.h>
@@ -13,16 +13,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-static char folder[64];
-
-static int setup(void **state) {
-    (void)snprintf(folder, sizeof folder, "/tmp/sv_picture_XXXXXX");
-    return mkdtemp(folder) ? 0 : -1;
-}
-
 static int teardown(void **state) {
     hs_picture_finish();
-    return rmdir(folder); /* fails if a test left a file */
+    const int left = files_count();
+    return files_teardown(state) || left;
 }
 
 static void free_picture(void *picture) {
@@ -156,8 +150,7 @@ static void a_smaller_picture_does_not_alias(void **state) {
 
 static void a_saved_png_reads_back(void **state) {
     hs_error err = {0};
-    char path[128];
-    (void)snprintf(path, sizeof path, "%s/a.png", folder);
+    const char *const path = files_path("a.png");
     hs_picture p = blank(37, 11, 0);
     for (uint32_t i = 0; i < 37 * 11; i++) p.pixels[i] = i * 2654435761u & 0xffffff;
     assert_true(hs_picture_save(&p, path, &err));
@@ -191,8 +184,7 @@ static void a_saved_png_reads_back(void **state) {
 static void a_place_that_cannot_be_written_is_named(void **state) {
     hs_error err = {0};
     hs_picture p = blank(4, 4, 0);
-    char path[128];
-    (void)snprintf(path, sizeof path, "%s/absent/a.png", folder);
+    const char *const path = files_path("absent/a.png");
     assert_false(hs_picture_save(&p, path, &err));
     unit_told(err, HS_ERR_OUTPUT, path);
     assert_non_null(strstr(err.text, "No such file or directory"));
@@ -358,7 +350,7 @@ static void odd_sizes_are_drawn(void **state) {
     free(depth);
 }
 
-UNIT_MAIN(setup, teardown, cmocka_unit_test(viridis_is_perceptually_uniform),
+UNIT_MAIN(files_setup, teardown, cmocka_unit_test(viridis_is_perceptually_uniform),
           cmocka_unit_test(the_diverging_map_is_white_in_the_middle), cmocka_unit_test(a_picture_has_limits),
           cmocka_unit_test(blit_scales_and_clips), cmocka_unit_test(a_smaller_picture_does_not_alias),
           cmocka_unit_test(a_saved_png_reads_back), cmocka_unit_test(a_place_that_cannot_be_written_is_named),

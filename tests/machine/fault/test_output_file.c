@@ -4,31 +4,20 @@
 #include "base/output_file.h"
 
 #include "guard/child.h"
-#include "support/unit.h"
+#include "support/metaimage_files.h"
 
 #include <dirent.h>
 #include <signal.h>
 #include <unistd.h>
 
-static char folder[] = "/tmp/test_output_file_XXXXXX";
-
-static const char *in_folder(const char *name) {
-    static char path[256];
-    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-/* Names in the folder, and how many of them are temporary. */
-static int count_files(int *temporary) {
-    int files = 0;
-    DIR *dir = opendir(folder);
-    *temporary = 0;
-    for (const struct dirent *entry; dir && (entry = readdir(dir));) {
-        files += entry->d_name[0] != '.';
-        *temporary += strstr(entry->d_name, ".tmp") != NULL;
-    }
+/* How many names of the folder are temporary. */
+static int count_temporary(void) {
+    int temporary = 0;
+    DIR *dir = opendir(files_path(""));
+    for (const struct dirent *entry; dir && (entry = readdir(dir));)
+        temporary += strstr(entry->d_name, ".tmp") != NULL;
     if (dir) (void)closedir(dir);
-    return files;
+    return temporary;
 }
 
 /* Commits one file, leaves two open, and ends by the signal. */
@@ -37,12 +26,11 @@ static int interrupted(int channel, void *context) {
     hs_error err = {0};
     static const char *const names[] = {"whole", "half", "third"};
     for (int i = 0; i < 3; i++)
-        if (!hs_output_open(&outputs[i], in_folder(names[i]), &err) ||
+        if (!hs_output_open(&outputs[i], files_path(names[i]), &err) ||
             !hs_output_write(&outputs[i], "text", 4, &err))
             return 1;
     if (!hs_output_commit(&outputs[0], &err)) return 2;
-    int temporary;
-    if (count_files(&temporary) < 3 || temporary != 2) return 3;
+    if (files_count() < 3 || count_temporary() != 2) return 3;
     (void)raise(*(const int *)context);
     return 4;
 }
@@ -53,15 +41,14 @@ static void signals_remove_what_is_half_written(void **state) {
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
         hs_child child;
         hs_error err = {0};
-        int temporary;
         assert_true(hs_child_fork(&child, &none, interrupted, &signals[i], &err));
         hs_child_wait_end(&child, 60);
         assert_int_equal(child.end.fate, HS_CHILD_CRASHED); /* by the signal, as without a handler */
         assert_int_equal(child.end.number, signals[i]);
         hs_child_close(&child);
-        assert_int_equal(count_files(&temporary), 1);
-        assert_int_equal(temporary, 0);
-        assert_int_equal(unlink(in_folder("whole")), 0);
+        assert_int_equal(files_count(), 1);
+        assert_int_equal(count_temporary(), 0);
+        assert_int_equal(unlink(files_path("whole")), 0);
     }
 }
 
@@ -70,7 +57,7 @@ static int ignoring(int channel, void *context) {
     hs_output_file output;
     hs_error err = {0};
     (void)signal(SIGHUP, SIG_IGN);
-    if (!hs_output_open(&output, in_folder("half"), &err)) return 1;
+    if (!hs_output_open(&output, files_path("half"), &err)) return 1;
     (void)raise(SIGHUP);
     return hs_output_commit(&output, &err) ? 0 : 2;
 }
@@ -84,15 +71,9 @@ static void an_ignored_signal_is_none(void **state) {
     assert_int_equal(child.end.fate, HS_CHILD_LEFT);
     assert_int_equal(child.end.number, 0);
     hs_child_close(&child);
-    assert_int_equal(unlink(in_folder("half")), 0);
+    assert_int_equal(unlink(files_path("half")), 0);
+    assert_int_equal(files_count(), 0);
 }
 
-static int set_up_folder(void **state) {
-    return mkdtemp(folder) ? 0 : -1;
-}
-static int remove_folder(void **state) {
-    return rmdir(folder);
-}
-
-UNIT_MAIN(set_up_folder, remove_folder, cmocka_unit_test(signals_remove_what_is_half_written),
+UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(signals_remove_what_is_half_written),
           cmocka_unit_test(an_ignored_signal_is_none))

@@ -12,10 +12,10 @@ static void expect_refused(hs_loop *loop, const hs_source *source, uint32_t what
     hs_result_report report;
     hs_error err = {0};
     char folder[PATH_MAX];
-    (void)snprintf(folder, sizeof folder, "%s", result_path("."));
+    (void)snprintf(folder, sizeof folder, "%s", files_path("."));
     assert_false(hs_results_write(loop, source, what, 0, folder, &report, &err));
     unit_told(err, code, told);
-    assert_int_not_equal(access(result_path("mask.mha"), F_OK), 0);
+    assert_int_not_equal(access(files_path("mask.mha"), F_OK), 0);
 }
 
 /* A volume like the fixture's, of bytes. */
@@ -33,7 +33,7 @@ static void write_bytes(const char *path) {
 static void files_of_two_types_make_no_sequence(void **state) {
     const result_fixture *f = *state;
     char second[PATH_MAX];
-    (void)snprintf(second, sizeof second, "%s", result_path("second.mha"));
+    (void)snprintf(second, sizeof second, "%s", files_path("second.mha"));
     write_bytes(second);
     const char *const paths[] = {f->source, second};
     sv_param_value values[2];
@@ -59,7 +59,7 @@ static void an_orbit_has_no_one_place(void **state) {
 static void a_file_that_changed_is_noticed(void **state) {
     const result_fixture *f = *state;
     char path[PATH_MAX];
-    (void)snprintf(path, sizeof path, "%s", result_path("second.mha"));
+    (void)snprintf(path, sizeof path, "%s", files_path("second.mha"));
     source_write(path, 2, "");
     const char *const paths[] = {path};
     sv_param_value values[2];
@@ -82,9 +82,9 @@ static void a_failed_plugin_cuts_nothing_away(void **state) {
     assert_int_equal(report.clipped, 0);
     assert_int_equal(report.surface.triangles, 0);
     result_file mask;
-    result_open(&mask, result_path("mask.mha"));
+    result_open(&mask, files_path("mask.mha"));
     for (size_t i = 0; i < mask.voxels; i++) assert_int_equal(mask.data[i], 1);
-    (void)unlink(result_path("mask.mha"));
+    (void)unlink(files_path("mask.mha"));
 }
 
 static void words_name_results(void **state) {

@@ -126,10 +126,10 @@ static void five_cameras_make_the_round_trip(void **state) {
         assert_int_equal(report.what, HS_RESULT_ALL & ~HS_RESULT_CONFIDENCE); /* a plane has none */
         assert_int_equal(report.clipped, 1);
         assert_true(report.fill == SOURCE_LOWEST);
-        result_open(&clipped, result_path("clipped.mha"));
-        result_open(&mask, result_path("mask.mha"));
-        result_open(&map, result_path("depthmap.mha"));
-        result_open(&status, result_path("status.mha"));
+        result_open(&clipped, files_path("clipped.mha"));
+        result_open(&mask, files_path("mask.mha"));
+        result_open(&map, files_path("depthmap.mha"));
+        result_open(&status, files_path("status.mha"));
         assert_string_equal(clipped.type, "MET_SHORT");
         expect_the_sources_place(&clipped);
         expect_the_sources_place(&mask);
@@ -137,7 +137,7 @@ static void five_cameras_make_the_round_trip(void **state) {
         assert_memory_equal(status.origin, map.origin, sizeof map.origin);
         assert_memory_equal(status.direction, map.direction, sizeof map.direction);
         expect_the_cut(&source, &clipped, &mask, &map);
-        expect_the_surface(&map, result_path("surface.ply"));
+        expect_the_surface(&map, files_path("surface.ply"));
     }
 }
 
@@ -150,7 +150,7 @@ static void the_maps_lie_as_the_camera_looks(void **state) {
     options.from = HS_FROM_ANTERIOR;
     result_write(f, paths, 1, NULL, &options, HS_RESULT_DEPTHMAP);
     result_file map;
-    result_open(&map, result_path("depthmap.mha"));
+    result_open(&map, files_path("depthmap.mha"));
     static const double expected[9] = {1, 0, 0, 0, 0, 1, 0, -1, 0};
     for (int i = 0; i < 9; i++) assert_true(fabs(map.direction[i] - expected[i]) < 1e-12);
     assert_non_null(strstr(map.text, "\nAnatomicalOrientation = RSA\n"));
@@ -164,8 +164,8 @@ static void depth_is_in_millimetres(const result_fixture *f, double flat) {
     const hs_loop_options options = options_with(values, 1);
     result_write(f, paths, 1, NULL, &options, HS_RESULT_DEPTHMAP | HS_RESULT_MASK);
     result_file map, mask;
-    result_open(&map, result_path("depthmap.mha"));
-    result_open(&mask, result_path("mask.mha"));
+    result_open(&map, files_path("depthmap.mha"));
+    result_open(&mask, files_path("mask.mha"));
     for (uint32_t y = 0; y < map.size[1]; y++)
         for (uint32_t x = 0; x < map.size[0]; x++)
             assert_true(fabs(result_map_at(&map, x, y) - flat * map.spacing[2]) < 1e-5);
@@ -202,8 +202,8 @@ static void expect_two_volumes(const result_file *clipped, const result_file *ma
 static void sequences_give_sequences(void **state) {
     const result_fixture *f = *state;
     char first[PATH_MAX], second[PATH_MAX];
-    (void)snprintf(first, sizeof first, "%s", result_path("sequence.mha"));
-    (void)snprintf(second, sizeof second, "%s", result_path("second.mha"));
+    (void)snprintf(first, sizeof first, "%s", files_path("sequence.mha"));
+    (void)snprintf(second, sizeof second, "%s", files_path("second.mha"));
     source_write(first, 2,
                  "Seq_Frame0000_ImageStatus = INVALID\nSeq_Frame0001_Timestamp = 2.5\n"
                  "Seq_Frame0001_ProbeToTrackerTransform = 1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1\n"
@@ -215,9 +215,9 @@ static void sequences_give_sequences(void **state) {
     const hs_result_report report = result_write(f, paths, 2, NULL, &options, HS_RESULT_ALL);
     assert_true(report.volumes == 2 && report.clipped == 2 && report.fill == SOURCE_LOWEST);
     result_file clipped, mask, map;
-    result_open(&clipped, result_path("clipped.mha"));
-    result_open(&mask, result_path("mask.mha"));
-    result_open(&map, result_path("depthmap.mha"));
+    result_open(&clipped, files_path("clipped.mha"));
+    result_open(&mask, files_path("mask.mha"));
+    result_open(&map, files_path("depthmap.mha"));
     assert_true(clipped.dims == 4 && clipped.size[3] == 2 && mask.size[3] == 2 && map.size[3] == 2);
     expect_the_sources_place(&clipped);
     static const char *const lines[] = {
@@ -228,14 +228,14 @@ static void sequences_give_sequences(void **state) {
         if (!strstr(clipped.text, lines[i])) fail_msg("no line '%s'", lines[i]);
     expect_two_volumes(&clipped, &mask);
     result_mesh mesh;
-    result_mesh_open(&mesh, result_path("surface_0001.ply"));
+    result_mesh_open(&mesh, files_path("surface_0001.ply"));
     assert_true(mesh.faces > 50);
 }
 
 /* A sequence that this project wrote is read back by it. */
 static void sequences_read_back(void **state) {
     char back[PATH_MAX];
-    (void)snprintf(back, sizeof back, "%s", result_path("clipped.mha"));
+    (void)snprintf(back, sizeof back, "%s", files_path("clipped.mha"));
     const char *const written[] = {back};
     const hs_source *source = open_source(written, 1, NULL);
     assert_int_equal(source->count, 2);
