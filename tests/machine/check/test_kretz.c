@@ -64,17 +64,6 @@ static void tables_may_descend_and_be_uneven(void **state) {
     for (int n = 0; n < KRETZ_VOXELS; n++) assert_int_equal(v.beams->voxels[n], n + 1);
 }
 
-static void axis_has_either_sign(void **state) {
-    static const double offsets[] = {10.0, -10.0, 0.0};
-    for (int n = 0; n < 3; n++) {
-        kretz_plan plan = kretz_good();
-        kretz_find(&plan, 0xC200, 0x0002)->value[0] = offsets[n];
-        kretz_file("axis.vol", &plan);
-        hs_volume v = kretz_volume("axis.vol", NULL);
-        CLOSE(v.beams->axis, -0.5 * offsets[n]);
-    }
-}
-
 static void cartesian_files_are_volumes(void **state) {
     for (int form = 0; form < 3; form++) { /* C100 in metres, (0010,0022) in mm, both */
         kretz_plan plan = kretz_good();
@@ -201,7 +190,6 @@ static void writer_wants_all_volumes(void **state) {
 
 UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(items_come_in_any_order),
           cmocka_unit_test(other_banks_and_what_follows_the_end_do_not_matter),
-          cmocka_unit_test(tables_may_descend_and_be_uneven), cmocka_unit_test(axis_has_either_sign),
-          cmocka_unit_test(cartesian_files_are_volumes), cmocka_unit_test(sequences_have_volumes),
-          cmocka_unit_test(files_are_known_by_name_or_content), cmocka_unit_test(what_is_written_is_read),
-          cmocka_unit_test(writer_wants_all_volumes))
+          cmocka_unit_test(tables_may_descend_and_be_uneven), cmocka_unit_test(cartesian_files_are_volumes),
+          cmocka_unit_test(sequences_have_volumes), cmocka_unit_test(files_are_known_by_name_or_content),
+          cmocka_unit_test(what_is_written_is_read), cmocka_unit_test(writer_wants_all_volumes))
