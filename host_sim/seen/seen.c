@@ -10,6 +10,7 @@
 #include "volume/kretz.h"
 #include "volume/levels.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,6 +42,15 @@ static bool read_values(void *context, uint64_t at, size_t count, double *out, h
     return true;
 }
 
+/* What a mask hides is no constant. */
+static bool read_unmasked(void *context, uint64_t at, size_t count, double *out, hs_error *err) {
+    const hs_seen_volume *v = context;
+    const bool ok = read_values(context, at, count, out, err);
+    for (size_t i = 0; v->mask && i < count; i++)
+        if (!v->mask[at + i]) out[i] = NAN;
+    return ok;
+}
+
 static bool is_plain(const hs_seen_volume *v) {
     return v->bytes && v->window[0] == v->window[1];
 }
@@ -49,8 +59,8 @@ static bool find_range(const hs_seen_volume *v, hs_levels *l) {
     const bool plain = is_plain(v);
     double value[1024];
     hs_levels_begin(l);
-    if (v->padding == HS_SEEN_AUTO && !v->mask &&
-        !hs_levels_find_outside(l, v->n, plain, read_values, (void *)(uintptr_t)v, &last))
+    if (v->padding == HS_SEEN_AUTO &&
+        !hs_levels_find_outside(l, v->n, plain && !v->mask, read_unmasked, (void *)(uintptr_t)v, &last))
         return false;
     for (size_t at = 0, n; v->values && at < count_of(v); at += n) {
         n = count_of(v) - at < 1024 ? count_of(v) - at : 1024;
@@ -165,12 +175,12 @@ int32_t hs_seen_take(hs_seen_volume *v) {
     }
     filling f = {v, &levels};
     volume = volume_of(v);
-    const bool guess = v->padding == HS_SEEN_AUTO && !v->mask && !levels.gaps;
+    const bool guess = v->padding == HS_SEEN_AUTO && !levels.gaps;
     if (!hs_volume_fill(&volume, hs_thread_count(0), fill, &f, &last)) return 0;
-    if (guess && !hs_volume_mark_unscanned(&volume, &last)) return 0;
+    if (guess && !hs_levels_mark_unscanned(&levels, &volume, &last)) return 0;
     if (v->padding == HS_SEEN_ALL_SCANNED && !v->mask) hs_volume_mark_all_scanned(&volume);
     for (size_t i = 0; v->mask && i < count_of(v); i++)
-        v->levels[i] = !v->mask[i] ? 0 : v->levels[i] ? v->levels[i] : 1;
+        v->levels[i] = !v->mask[i] ? 0 : v->levels[i] || v->padding == HS_SEEN_AUTO ? v->levels[i] : 1;
     find_course(v, &volume);
     return 1;
 }

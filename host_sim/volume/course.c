@@ -41,9 +41,35 @@ void hs_course_words(const hs_volume *v, char *out, size_t bytes) {
         (void)snprintf(out, bytes, "%s %s", c->kind == HS_BEAMS_PARALLEL ? "parallel," : "unknown;", probe);
 }
 
+enum { DARK = 12, CORNERS = 8, ENOUGH = 4 }; /* levels of noise; corners of an eighth of the sides */
+
+void hs_course_find_noise(hs_volume *v) {
+    const uint32_t n[3] = {v->nx, v->ny, v->nz}, edge[3] = {n[0] / 8, n[1] / 8, n[2] / 8};
+    uint32_t found = 0;
+    for (uint32_t corner = 0; corner < CORNERS; corner++) {
+        uint8_t least = 255, most = 0;
+        for (uint32_t z = 0; z < edge[2]; z++)
+            for (uint32_t y = 0; y < edge[1]; y++) {
+                const size_t at_z = corner & 4u ? n[2] - 1 - z : z, at_y = corner & 2u ? n[1] - 1 - y : y;
+                const uint8_t *row =
+                    v->voxels + (at_z * n[1] + at_y) * n[0] + (corner & 1u ? n[0] - edge[0] : 0);
+                for (uint32_t x = 0; x < edge[0]; x++) {
+                    least = row[x] < least ? row[x] : least;
+                    most = row[x] > most ? row[x] : most;
+                }
+            }
+        found += least < most && most <= DARK;
+    }
+    v->course.noisy = found >= ENOUGH;
+}
+
 void hs_course_question(const hs_volume *v, char *out, size_t bytes) {
     const hs_course *c = &v->course;
     out[0] = '\0';
+    if (c->asked_count == 0 && c->noisy)
+        (void)snprintf(out, bytes,
+                       "Its corners hold dark noise: if nothing was scanned there, say so by --window "
+                       "LOW,HIGH with LOW above it.");
     if (c->asked_count == 0) return;
     const char *first = hs_probe_name(c->asked[0]);
     if (c->asked_count == 1)

@@ -417,5 +417,6 @@ void hs_volume_find_beams(hs_volume *v) {
             take(v, face, &best, &b);
         }
     }
+    if (c->kind != HS_BEAMS_FAN) hs_course_find_noise(v);
     free(memory);
 }

@@ -18,6 +18,10 @@
  */
 void hs_volume_find_beams(hs_volume *volume);
 
+/* Looks whether the volume's corners are dark noise (course.noisy), as where a file has no one value outside
+ * the scan. */
+void hs_course_find_noise(hs_volume *volume);
+
 /* Says of a volume what was found of another one of the same scan. */
 void hs_volume_share_beams(hs_volume *volume, const hs_volume *found);
 

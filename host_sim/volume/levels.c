@@ -85,6 +85,27 @@ void hs_levels_words(const hs_levels *l, char *out, size_t bytes) {
     if (l->has_outside) (void)snprintf(out, bytes, "; what lies outside the scan holds %g", l->outside);
 }
 
+/* A single voxel of noise may hold the lowest value, too. */
+static bool is_zero_in_a_corner(const hs_volume *v) {
+    const size_t row = v->nx, slice = row * v->ny;
+    for (uint32_t c = 0; c < 8; c++) {
+        const size_t x = c & 1u ? v->nx - 2 : 0, y = c & 2u ? v->ny - 2 : 0, z = c & 4u ? v->nz - 2 : 0;
+        const uint8_t *at = v->voxels + z * slice + y * row + x;
+        uint8_t any = 0;
+        for (uint32_t i = 0; i < 8; i++) any |= at[(i & 1u) + (i >> 1 & 1u) * row + (i >> 2) * slice];
+        if (any == 0) return true;
+    }
+    return false;
+}
+
+bool hs_levels_mark_unscanned(const hs_levels *l, hs_volume *volume, hs_error *err) {
+    const bool small = volume->nx < 2 || volume->ny < 2 || volume->nz < 2;
+    if (l->low == 0.0 || l->has_outside || small || is_zero_in_a_corner(volume))
+        return hs_volume_mark_unscanned(volume, err);
+    hs_volume_mark_all_scanned(volume);
+    return true;
+}
+
 /* ------------------------------------------------------------------------------- the constant outside -- */
 
 enum { MOST_ACROSS = 64, CORNERS = 8, ENOUGH = 4 };

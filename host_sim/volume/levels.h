@@ -3,7 +3,7 @@
 #ifndef HS_LEVELS_H
 #define HS_LEVELS_H
 
-#include "base/error.h"
+#include "volume/volume.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -32,6 +32,11 @@ void hs_levels_of(const hs_levels *levels, const double *value, size_t count, ui
 
 /* Checks that a range can be mapped: "values are ...", HS_ERR_INPUT, behind `what`. */
 bool hs_levels_check(const hs_levels *levels, const char *what, hs_error *err);
+
+/* hs_volume_mark_unscanned of a volume of these levels whose zeros may be what was not scanned. Where no 0
+ * was mapped to 0, but the lowest of other values, that is so only if a corner of the volume holds it: else
+ * all was scanned. */
+bool hs_levels_mark_unscanned(const hs_levels *levels, hs_volume *volume, hs_error *err);
 
 /* "; what lies outside the scan holds 16", for who tells of a volume; "" if nothing is to be said. */
 void hs_levels_words(const hs_levels *levels, char *out, size_t bytes);

@@ -259,9 +259,9 @@ static bool start(hs_metaimage *m) {
     if (m->options.padding == HS_PADDING_AUTO && !m->maps &&
         !hs_levels_find_outside(&m->levels, m->header->size, plain, read_values, m, m->err))
         return false;
-    if (takes_bytes(m)) return true;
     m->levels.low = plain ? 0.0 : m->options.has_window ? m->options.window_low : m->levels.low;
     m->levels.high = plain ? 255.0 : m->options.has_window ? m->options.window_high : m->levels.high;
+    if (takes_bytes(m)) return true;
     return (!needs_search(m) || find_range(m)) && check_range(m) && make_table(m);
 }
 
@@ -309,7 +309,7 @@ static bool fill(hs_metaimage *m, uint32_t index, hs_volume *out) {
     /* Of values that are no numbers the file says itself what was not scanned: no zero is a guess. */
     const bool guess = m->options.padding == HS_PADDING_AUTO && !m->levels.gaps && !m->maps;
     const bool ok = hs_volume_fill(out, threads, read_piece, &r, m->err) &&
-                    (!guess || hs_volume_mark_unscanned(out, m->err));
+                    (!guess || hs_levels_mark_unscanned(&m->levels, out, m->err));
     if (ok && m->maps) hs_scanned_maps_mark(out, m->maps);
     return ok && (index + 1 < m->valid || reach_end(m));
 }

@@ -63,6 +63,7 @@ void hs_volume_size_words(const hs_volume *v, char out[HS_SIZE_BYTES]) {
 
 #define NARROWEST 30.0 /* mm, of a prenatal scan at its widest */
 #define WIDEST    400.0
+#define THINNEST  20.0 /* along its shortest side */
 #define UNEVEN    20.0 /* times its shortest side is the longest of a voxel that is doubted */
 
 bool hs_volume_doubt(const hs_volume *v, char out[HS_DOUBT_BYTES]) {
@@ -80,7 +81,16 @@ bool hs_volume_doubt(const hs_volume *v, char out[HS_DOUBT_BYTES]) {
     const double least = fmin(v->spacing[0], fmin(v->spacing[1], v->spacing[2]));
     const double most = fmax(v->spacing[0], fmax(v->spacing[1], v->spacing[2]));
     const bool right = v->beams || (wide >= NARROWEST && wide <= WIDEST);
-    if (right && most < UNEVEN * least) return false;
+    const double side[3] = {v->nx * v->spacing[0], v->ny * v->spacing[1], v->nz * v->spacing[2]};
+    const int thin = side[0] <= side[1] && side[0] <= side[2] ? 0 : side[1] <= side[2] ? 1 : 2;
+    const bool flat = !v->beams && side[thin] < THINNEST;
+    const bool even = most < UNEVEN * least;
+    if (right && !flat && even) return false;
+    if (right && even)
+        return snprintf(out, HS_DOUBT_BYTES,
+                        "The volume is %.3g mm wide and %.3g mm along %c: is the spacing right? "
+                        "--spacing X,Y,Z says it (mm).",
+                        wide, side[thin], "xyz"[thin]) > 0;
     if (right)
         return snprintf(out, HS_DOUBT_BYTES,
                         "One side of a voxel is %.3g times as long as another: is the spacing right? "

@@ -47,6 +47,7 @@ typedef struct {
     bool found;     /* the probe's face was found in the fan: nobody stated it */
     hs_probe asked[2]; /* faces where the probe may be, if that is worth a question */
     uint32_t asked_count;
+    bool noisy; /* corners are dark, and not alike: perhaps nothing was scanned there */
 } hs_course;
 
 /* Directions along the world's axes, origin 0, nothing stated. */
@@ -126,9 +127,9 @@ enum { HS_SIZE_BYTES = 200, HS_DOUBT_BYTES = 200 };
 /* "96 x 96 x 48 voxels of 1.25 x 1.25 x 2.5 mm: 120.0 x 120.0 x 120.0 mm", or that the file does not say. */
 void hs_volume_size_words(const hs_volume *volume, char out[HS_SIZE_BYTES]);
 
-/* True if a volume is as large as no prenatal scan, 30 to 400 mm at its widest, has voxels of very uneven
- * sides, or its size is not known: then *out says so, and what to do. "The volume is 0.12 mm wide: is its
- * spacing in metres? ..." */
+/* True if a volume is as large as no prenatal scan, 30 to 400 mm at its widest and 20 mm at least, has voxels
+ * of very uneven sides, or its size is not known: then *out says so, and what to do. "The volume is 0.12 mm
+ * wide: is its spacing in metres? ..." */
 bool hs_volume_doubt(const hs_volume *volume, char out[HS_DOUBT_BYTES]);
 
 /* Number of voxels. */

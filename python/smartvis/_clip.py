@@ -182,8 +182,8 @@ def clip(
         directions = volume.GetDirection()
         volume = _images.array(volume)
     if isinstance(volume, np.ma.MaskedArray):
-        mask = ~np.ma.getmaskarray(volume)
-        volume = volume.filled(volume.min())
+        mask = ~np.ma.getmaskarray(volume) if np.ma.is_masked(volume) else None
+        volume = volume.filled(volume.max())  # which is nowhere taken for what lies outside
     marks = _marks(remove, False) + _marks(keep, True)
     volume = np.asarray(volume)
     if volume.ndim != 3 or 0 in volume.shape:

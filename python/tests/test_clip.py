@@ -133,6 +133,9 @@ def test_scanned_ranges_masks_and_auto_agree(volume: np.ndarray) -> None:
     assert by_maps.clips
     assert np.array_equal(by_maps.depth, by_mask.depth) and np.array_equal(by_maps.depth, by_itself.depth)
     by_numpy = smartvis.clip(np.ma.masked_equal(fan, 0), (1, 1, 1), method="wall")
+    part = np.arange(fan.size).reshape(fan.shape) == 60 * 56 * 56
+    for mask in (False, part):  # beside what a mask hides, zeros count as without one
+        assert np.array_equal(smartvis.clip(np.ma.array(fan, mask=mask), (1, 1, 1)).depth, by_maps.depth)
     lost = np.where(fan > 0, fan, np.nan) / 200
     by_nan = smartvis.clip(lost, (1, 1, 1), window=(0, 255 / 200), method="wall")
     assert np.array_equal(by_numpy.depth, by_maps.depth) and np.array_equal(by_nan.depth, by_maps.depth)

@@ -76,6 +76,10 @@ FURTHER = {  # name: how it is made, what is said; "": it is clipped as the plai
     "uneven.mha": (lambda path, v: meta(path, v, "ElementSpacing = .1 .1 2.5"), "times as long as another"),
     "zero.mha": (lambda path, v: meta(path, v, "ElementSpacing = 0 0 0"), "ElementSpacing is '0 0 0', expected"),
     "comma.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1,25 1,25 2,5"), "is '1,25 1,25 2,5', expected"),
+    "one_cm.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1.25 1.25 .25"), "12 mm along z: is the spacing"),
+    "noise.mha": (
+        lambda path, v: meta(path, np.where(v, v, np.arange(v.size, dtype=np.uint8).reshape(v.shape) % 3 + 1), MM),
+        "Its corners hold dark noise"),
     "flow.mha": (
         lambda path, v: meta(path, np.repeat(v[..., None], 2, -1), MM, "ElementNumberOfChannels = 2"),
         "ElementNumberOfChannels is '2'"),
@@ -92,7 +96,7 @@ USERS = {  # what users elsewhere have; "": the surface is where the plain file'
 }
 NEAR_MM = 1.5  # other levels, and the scenes of sequences are not the very same volume
 BITS = ("plain.mha", "beat.mhd", "probe.vol", "the_supra.mhd", "db_nan.mha")  # whose maps the console writes
-ALONE = ("times.dcm", "supra.mha", "folder", "nothing", "slices", "packed.mha.gz")  # test_kinds has them
+ALONE = ("nothing", "slices", "packed.mha.gz")  # of which batch finds nothing to do: test_kinds has them
 ROWS: dict[str, tuple[Any, str]] = {
     **FURTHER,
     **{name: (make, "") for name, make in RIGHT.items() if name not in ALONE},

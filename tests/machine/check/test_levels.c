@@ -99,6 +99,20 @@ static void what_was_scanned_stays(void **state) {
     files_write("layers.mha", text, layers, sizeof layers);
     hs_volume v = files_read("layers.mha", NULL);
     assert_memory_equal(v.voxels, layers, sizeof layers);
+    /* The darkest of other values than 0, here on a face, is not scanned only if a corner holds it. */
+    for (int corner = 0; corner < 2; corner++) {
+        for (size_t i = 0; i < COUNT; i++) {
+            const size_t x = i % N, y = i / N % N, z = i / N / N;
+            layers[i] = x == 0 && y / 8 == 1 ? 156 : (uint8_t)(i * 7 % 100);
+            if (corner && x < 2 && y < 2 && z < 2) layers[i] = 156; /* -100 */
+        }
+        (void)snprintf(text, sizeof text,
+                       "NDims = 3\nDimSize = %d %d %d\nElementType = MET_CHAR\nElementDataFile = LOCAL\n", N,
+                       N, N);
+        files_write("signed.mha", text, layers, sizeof layers);
+        v = files_read("signed.mha", NULL);
+        assert_int_equal(v.voxels[8 * N], corner ? 0 : 1);
+    }
 }
 
 typedef struct {
@@ -165,7 +179,8 @@ static void a_size_is_said_or_doubted(void **state) {
                  {0.00125, "The volume is 0.12 mm wide: is its spacing in metres?"},
                  {0.125, "is its spacing in centimetres?"},
                  {1250, "The volume is 1.2e+05 mm wide: is its spacing in micrometres?"},
-                 {5, "is its spacing right?"}};
+                 {5, "is its spacing right?"},
+                 {0.4, "The volume is 38.4 mm wide and 19.2 mm along z: is the spacing right?"}};
     const double sides[][3] = {{0.00125, 0.00125, 2.5}, {1.25, 1.25, 0.05}};
     hs_volume v = {.nx = 96, .ny = 60, .nz = 48};
     char doubt[HS_DOUBT_BYTES], size[HS_SIZE_BYTES];
