@@ -146,10 +146,9 @@ def _how_large(frame: Frame, layers: Sequence[Any]) -> None:
             pixel = np.abs([10 * float(region.PhysicalDeltaY), 10 * float(region.PhysicalDeltaX)])
     if pixel is not None and (pixel > 0).all():
         frame.pixel = (float(pixel[1]), float(pixel[0]))
-    for name in ("SpacingBetweenSlices", "SliceThickness"):
-        apart = _first(layers, "PixelMeasuresSequence", name)
-        if frame.apart is None and apart is not None and float(apart) > 0:
-            frame.apart = float(apart)
+    apart = _first(layers, "PixelMeasuresSequence", "SpacingBetweenSlices")  # how thick they are says nothing of it
+    if apart is not None and float(apart) > 0:
+        frame.apart = float(apart)
 
 
 def _which(frame: Frame, layers: Sequence[Any], index: int) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import gzip
+import math
 import os
 import re
 import struct
@@ -59,40 +60,57 @@ def says_spacing(path: Path, fields: dict[str, str], reader: Any) -> bool:
     name = path.name.lower()
     if name.endswith((".nrrd", ".nhdr")):
         told = fields.get("spacings", "") or fields.get("spacedirections", "")
-        return bool(told) and len(re.findall(r"nan|none", told.lower())) <= len(reader.GetSize()) - 2
+        return sum(not re.search("nan|none", part) for part in re.findall(r"\([^)]*\)|\S+", told.lower())) >= 3
     if name.endswith((".mha", ".mhd")):
         return "elementspacing" in fields or "elementsize" in fields
     if reader.HasMetaDataKey("pixdim[1]"):
-        apart = {float(reader.GetMetaData(f"pixdim[{axis}]")) for axis in (1, 2, 3)} | _nifti_zeros(path)
-        has_unit = int(float(reader.GetMetaData("xyzt_units"))) & 7  # ITK tells 0 as 1
-        return 0 not in apart and (apart != {1.0} or bool(has_unit))
+        apart = {float(reader.GetMetaData(f"pixdim[{axis}]")) for axis in (1, 2, 3)}
+        has_unit = int(float(reader.GetMetaData("xyzt_units"))) & 7
+        return not _nifti_lacks(path) and (apart != {1.0} or bool(has_unit))
     return not name.endswith(".vtk") or b"SPACING" in first_bytes(path).upper()
 
 
-def _nifti_zeros(path: Path) -> set[float]:
-    """The 0 among the distances of a NIfTI's own header, for which ITK says 1."""
+def _nifti_lacks(path: Path) -> bool:
+    """Whether a distance in a NIfTI's own header is 0 or no number, for which ITK says 1."""
+    name = str(path)[: -len(".img")] + ".hdr" if path.name.lower().endswith(".img") else path
     try:
-        with gzip.open(path) if path.name.lower().endswith(".gz") else open(path, "rb") as file:
+        with gzip.open(name) if path.name.lower().endswith(".gz") else open(name, "rb") as file:
             head = file.read(136)
         order = "<" if head[:2] > head[2:4] else ">"
         second = struct.unpack_from(f"{order}i", head)[0] == 540  # NIfTI-2
         apart = struct.unpack_from(f"{order}3d", head, 112) if second else struct.unpack_from(f"{order}3f", head, 80)
     except (OSError, struct.error):
-        return set()
-    return {length for length in apart if length == 0}
+        return False
+    return any(length == 0 or not math.isfinite(length) for length in apart)
 
 
-def tiff_spacing(path: Path) -> tuple[float, float, float] | None:
-    """What ImageJ writes into a TIFF: its pages' distance and unit. None: it says nothing of the third axis."""
+def tiff_spacing(path: Path) -> tuple[float, ...] | None:
+    """What ImageJ or OME writes into a TIFF of the distances of its voxels. None: it says nothing of an axis.
+    FileError: its pages are several volumes, or white is 0."""
     import tifffile
 
     try:
         with tifffile.TiffFile(path) as file:
-            notes, tags = file.imagej_metadata or {}, file.pages[0].tags
-            unit, apart = notes.get("unit", ""), float(notes.get("spacing", 0))
+            notes, tags, ome = file.imagej_metadata or {}, file.pages[0].tags, file.ome_metadata or ""
             lines = [tags[name].value for name in ("XResolution", "YResolution") if name in tags]
+            sizes = dict(zip(file.series[0].axes, file.series[0].shape, strict=True))
+            inverted = "PhotometricInterpretation" in tags and tags["PhotometricInterpretation"].value == 0
     except Exception:  # of a file whose voxels were read, and that says nothing more
         return None
+    if inverted:  # which ITK does not turn round
+        raise FileError(f"{path}: its grey is inverted (white is 0): invert it first")
+    for axis, what in (("T", "times"), ("C", "channels")):
+        if sizes.get(axis, 1) > 1:
+            raise FileError(f"{path}: its pages are of {sizes[axis]} {what}: save each as a file of its own")
+    said = [re.search(f'PhysicalSize{axis}="([^"]+)"', ome) for axis in "XYZ"]
+    units = [re.search(f'PhysicalSize{axis}Unit="([^"]+)"', ome) for axis in "XYZ"]
+    if all(said):
+        return tuple(
+            _millimetres(path, unit[1] if unit else "um") * float(length[1])
+            for length, unit in zip(said, units, strict=True)
+            if length
+        )
+    unit, apart = notes.get("unit", ""), float(notes.get("spacing", 0))
     if not unit or apart <= 0 or len(lines) < 2 or not all(line[0] for line in lines):
         return None
     mm = _millimetres(path, unit.replace("\\u00B5", "u"))

@@ -27,6 +27,8 @@ _HEADER = 1 << 24  # bytes of a header's text at most, as in the host
 _MOST_VOXELS = 1 << 31  # of a volume, as in the host
 _KEPT_VOXELS = 1 << 28
 _FAR = 1e9  # of any number of a geometry: ITK squares them
+_ASKEW = 1e-3  # of directions, as in the host
+_RIGHT_ANGLES = "its axes are not at right angles, as voxels are taken to be"
 _PATIENT = re.compile(r"left|right|[LR][AP]S", re.IGNORECASE)  # of a NRRD's spaces
 
 
@@ -34,9 +36,8 @@ class Reader:
     """The volumes of one file, or of a folder of DICOM. Kretz volumes in it are files of their own. It runs in a
     process of its own (`_process`)."""
 
-    def __init__(self, path: str | os.PathLike[str], ask_first: bool = False, mirror: bool = False) -> None:
-        """FileError: not readable, or no volume. `ask_first`: the host reads all of a MetaImage now, and not with the
-        first volume. `mirror`: as of host_sim, for Kretz volumes."""
+    def __init__(self, path: str, mirror: bool = False) -> None:
+        """FileError: not readable, or no volume. `mirror`: as of host_sim, for Kretz volumes."""
         self.path = Path(path)
         self._mirror = mirror
         self._kretz: tuple[int, Any] | None = None  # the volume that was read last, and its number
@@ -49,12 +50,6 @@ class Reader:
         self._fields: dict[str, str] = {}
         self.count = 1
         try:
-            str(self.path).encode()
-        except UnicodeEncodeError:  # SimpleITK would end the process
-            raise FileError(f"{str(self.path)!r}: the name is not UTF-8; rename the file") from None
-        try:
-            if ask_first and self.path.is_file():
-                self._ask_host()
             self._open()
         except OSError as error:
             raise _unreadable(self.path, error) from None
@@ -96,10 +91,12 @@ class Reader:
             raise FileError(f"{self.path}: Kinds says that it holds {size[2]} pictures over time, not a volume")
         if len(size) == 4 and values == 1:
             self.count = size[3]
-        elif len(size) == 3 and values > 1 and kinds[:1] == ["list"]:
+        elif len(size) == 3 and values > 1 and "list" in kinds:
             self.count = values
-        elif len(size) != 3 or values not in (1, 3, 4):
-            raise FileError(f"{self.path}: {len(size)} dimensions and {values} values a voxel, expected a volume")
+        elif len(size) != 3:
+            raise FileError(f"{self.path}: it has {len(size)} dimensions, expected a volume")
+        elif values not in (1, 3, 4):
+            raise FileError(f"{self.path}: its voxels have {values} values each: save the one of tissue as a file")
 
     def _open_folder(self) -> None:
         for inside in self.path.iterdir():
@@ -127,6 +124,9 @@ class Reader:
             except ValueError as error:
                 raise FileError(f"{self.path}: {error}") from None
         self._numbers_that_hold(reader)
+        axes = np.reshape(reader.GetDirection(), (len(size), len(size)))
+        if np.abs(axes.T @ axes - np.eye(len(size))).max() > _ASKEW:
+            raise FileError(f"{self.path}: {_RIGHT_ANGLES}")
         if not np.isfinite(origin).all():
             raise FileError(f"{self.path}: origin={origin}, expected finite numbers")
         if math.prod(size[:3]) > _MOST_VOXELS:
@@ -355,7 +355,7 @@ def _no_warning(path: Path | None) -> Iterator[None]:
     finally:
         before.SetAsGlobalITKLogger()
     if said and path is not None:
-        raise FileError(f"{path}: {said[0].strip().splitlines()[-1].split('): ')[-1]}")
+        raise FileError(f"{path}: {reason(RuntimeError(said[0]))}")
 
 
 @contextlib.contextmanager
@@ -388,7 +388,9 @@ _SAID = (  # what SimpleITK's libraries say, and what it means
     (r"couldn't open \"(.*?)\"", "its data file cannot be opened: {}"),
     (r"fread got only|ran out of|hit EOF|premature EOF", "its data end early"),
     (r"Unable to determine ImageIO.*\.(?:mha|mhd|nrrd|tiff?|dcm)\.gz", "it is compressed as a whole: unpack it first"),
-    (r"Unable to determine ImageIO", "no NRRD, MetaImage, NIfTI, TIFF, DICOM or Kretz file"),
+    (r"Unable to determine ImageIO", "no NRRD, MetaImage, NIfTI, TIFF, DICOM or Kretz file by its name"),
+    (r"spacing \((.*?)\) invalid", "a spacing is {}, expected lengths above 0"),
+    (r"orthonormal", _RIGHT_ANGLES),
     (r"unexpected scales in sform", "its sform and its pixdim disagree about how far apart voxels are"),
 )
 
@@ -401,4 +403,4 @@ def reason(error: RuntimeError) -> str:
     for pattern, meaning in _SAID:
         if found := re.search(pattern, str(error)):
             return meaning.format(*found.groups())
-    return re.sub(r"^.*ERROR: |^\[nrrd\] \w+: ", "", lines[-1]) if lines else "not readable"
+    return re.sub(r"^.*(?:ERROR: |\): )|^\[nrrd\] \w+: ", "", lines[-1]) if lines else "not readable"

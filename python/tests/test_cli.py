@@ -73,13 +73,6 @@ def test_sequences_are_clipped_volume_by_volume(tmp_path: Path, volume, capsys) 
     for number, frame in enumerate(frames[:2]):
         clipped = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / f"beat_f{number:04d}_clipped.nrrd")))
         assert np.array_equal(clipped, smartvis.clip(frame, (1, 1, 1)).apply(frame))
-    sequence = sitk.Compose([sitk.GetImageFromArray(f) for f in frames[:2]])
-    sitk.WriteImage(sequence, str(tmp_path / "list.seq.nrrd"))
-    raw = (tmp_path / "list.seq.nrrd").read_bytes().replace(b"kinds: vector", b"kinds: list")
-    (tmp_path / "list.seq.nrrd").write_bytes(raw)
-    assert main(["clip", str(tmp_path / "list.seq.nrrd"), "--out", str(tmp_path), "--write", "clipped"]) == 0
-    other = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "list.seq_f0001_clipped.nrrd")))
-    assert np.array_equal(other, smartvis.clip(frames[1], (1, 1, 1)).apply(frames[1]))
 
 
 def test_a_dicom_folder_gives_what_other_files_give(tmp_path: Path, image, capsys) -> None:
