@@ -9,7 +9,7 @@
 #include "volume/metaimage.h"
 
 /* --- result_surface.c: where the maps lie among the voxels of the source and in the patient, and the
- * clipping surface as a triangle mesh. */
+ * clipping surface as triangles. */
 
 /* The low-resolution volume's grid as a volume: pixel (i, j) of the maps is its voxel (i, j, 0), and a depth
  * of d slices is its voxel (i, j, d). So a depth in mm is d * spacing[2], measured from the map itself. */

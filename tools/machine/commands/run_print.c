@@ -170,9 +170,9 @@ static void print_written(const hs_result_report *w, FILE *out) {
     (void)fprintf(out, "Results:");
     for (uint32_t i = 0, count = 0; i < HS_RESULT_COUNT; i++)
         if (w->what >> i & 1u) {
-            const bool mesh = 1u << i == HS_RESULT_SURFACE;
+            const bool surface = 1u << i == HS_RESULT_SURFACE;
             (void)fprintf(out, "%s %s%s.%s", count++ ? "," : "", hs_result_name(i),
-                          mesh && w->volumes > 1 ? "_0000" : "", mesh ? "ply" : "mha");
+                          surface && w->volumes > 1 ? "_0000" : "", surface ? "ply" : "mha");
         }
     if (w->volumes > 1) (void)fprintf(out, "; sequences of %u volumes", w->volumes);
     if (w->clipped < w->volumes) (void)fprintf(out, "; nothing is cut away in %u", w->volumes - w->clipped);
