@@ -155,16 +155,10 @@ void hs_page_numbers(hs_page *page, const char *const *names, const char *const 
     put(page, "</dl>\n");
 }
 
-void hs_page_row_begin(hs_page *page) {
-    put(page, "<div class=\"row\">\n");
-}
-
-void hs_page_small_row_begin(hs_page *page) {
-    put(page, "<div class=\"row small\">\n");
-}
-
-void hs_page_wide_row_begin(hs_page *page) {
-    put(page, "<div class=\"row wide\">\n");
+void hs_page_row_begin(hs_page *page, const char *kind) {
+    put(page, "<div class=\"row ");
+    put(page, kind);
+    put(page, "\">\n");
 }
 
 void hs_page_row_end(hs_page *page) {

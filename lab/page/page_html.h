@@ -42,12 +42,9 @@ void hs_page_numbers(hs_page *page, const char *const *names, const char *const 
 /* A paragraph of plain text. */
 void hs_page_text(hs_page *page, const char *text);
 
-/* A row of pictures, which wraps on a narrow screen: begin, pictures, end. */
-void hs_page_row_begin(hs_page *page);
-/* This row stays one on a narrow screen. */
-void hs_page_small_row_begin(hs_page *page);
-/* This row is of pictures with labels in them; it scrolls rather than shrinks. */
-void hs_page_wide_row_begin(hs_page *page);
+/* A row of pictures: begin, pictures, end. `kind`: "" wraps on a narrow screen, "small" stays one, "wide" is
+ * of pictures with labels in them, and scrolls rather than shrinks. */
+void hs_page_row_begin(hs_page *page, const char *kind);
 void hs_page_row_end(hs_page *page);
 
 /* A PNG file, inlined, with the text that stands for it when it is not seen, and a caption below. */

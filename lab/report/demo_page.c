@@ -112,13 +112,13 @@ static void put_answer(hs_page *page, const hs_demo_case *cases, uint32_t count)
 
 static void put_details(hs_page *page, const char *out, const hs_demo_case *c) {
     hs_page_fold_begin(page, "How it was found");
-    hs_page_wide_row_begin(page);
+    hs_page_row_begin(page, "wide");
     show(page, out, c, hs_page_picture, "depthmap.png", "the clipping depthmap in false colour",
          "Clipping depthmap: where the rays start, in mm; hatched clips nothing");
     show(page, out, c, hs_page_picture, "confidence.png", "the plugin's confidence in its depthmap",
          "Confidence: how sure the plugin is of the depthmap");
     hs_page_row_end(page);
-    hs_page_wide_row_begin(page);
+    hs_page_row_begin(page, "wide");
     show(page, out, c, hs_page_photo, "slices.png", "the result beside three slices",
          hs_page_slices_caption(c->clipped));
     hs_page_row_end(page);
@@ -132,7 +132,7 @@ static void put_case(hs_page *page, const char *out, const hs_demo_case *c, bool
     put_verdict(page, c);
     hs_page_text(page, c->what);
     if (!first) {
-        hs_page_small_row_begin(page);
+        hs_page_row_begin(page, "small");
         show_renderings(page, out, c);
     }
     put_details(page, out, c);
@@ -170,7 +170,7 @@ static void put_speed(hs_page *page, const hs_demo_case *cases, uint32_t count) 
 
 void hs_demo_page(hs_page *page, const char *out, const hs_demo_case *cases, uint32_t count) {
     if (count > 0) {
-        hs_page_small_row_begin(page);
+        hs_page_row_begin(page, "small");
         show_renderings(page, out, &cases[0]);
         hs_page_text(page, cases[0].real ? source_of_real : cases[0].name);
         if (cases[0].note[0]) hs_page_text(page, cases[0].note);

@@ -72,7 +72,7 @@ static void put_plain_case(hs_page *report, const hs_eval_study *study, uint32_t
     hs_eval_plain_row(study, index, row);
     (void)snprintf(caption, sizeof caption, "Result: %scut %s, left %s", clipped ? "" : "not clipped, ",
                    percent(row[HS_PLAIN_CUT], cut), percent(row[HS_PLAIN_LEFT], left));
-    hs_page_small_row_begin(report);
+    hs_page_row_begin(report, "small");
     hs_eval_page_show(report, study, index, "full.png", "rendering of the full volume", "Full volume");
     hs_eval_page_show(report, study, index, "result.png", "rendering of the result", caption);
     hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth",
@@ -85,11 +85,11 @@ static void put_plain_case(hs_page *report, const hs_eval_study *study, uint32_t
 static void put_plain_details(hs_page *report, const hs_eval_study *study, uint32_t index) {
     const bool clipped = hs_outcome_clips(study->plain.outcome[index]);
     hs_page_fold_begin(report, "How it was found, the error of every ray, and the plugin's confidence");
-    hs_page_wide_row_begin(report);
+    hs_page_row_begin(report, "wide");
     hs_eval_page_show(report, study, index, "slices.png", "the result beside three slices",
                       hs_page_slices_caption(clipped));
     hs_page_row_end(report);
-    hs_page_wide_row_begin(report);
+    hs_page_row_begin(report, "wide");
     hs_eval_page_show(report, study, index, "error.png",
                       "error per ray, blue where the fetus is cut, red where an occluder is left",
                       "Error: blue, the fetus is cut; red, an occluder is left; grey, not evaluated");
@@ -232,12 +232,12 @@ static void put_numbers(hs_page *report, const hs_eval_study *study, uint32_t in
 static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index) {
     const bool clipped = hs_outcome_clips(study->result[index].shown_outcome);
     hs_page_fold_begin(report, study->space[index].name);
-    hs_page_row_begin(report);
+    hs_page_row_begin(report, "");
     hs_eval_page_show(report, study, index, "common.png", "rendering at the common setting",
                       clipped ? "Result at the common setting" : "Result at the common setting: not clipped");
     put_slider(report, study, index);
     hs_page_row_end(report);
-    hs_page_wide_row_begin(report);
+    hs_page_row_begin(report, "wide");
     hs_eval_page_show(report, study, index, "common_error.png", "error per ray at the common setting",
                       "Error at the common setting");
     hs_page_row_end(report);
@@ -355,7 +355,7 @@ static void put_renderings(hs_page *report, const hs_eval_comparison *x, uint32_
     if (!hs_eval_compare_folder(x, index, folder, sizeof folder, &report->error)) return;
     hs_page_heading(report, 3, x->name[index]);
     if (x->doubt[index][0]) hs_page_text(report, x->doubt[index]);
-    hs_page_row_begin(report);
+    hs_page_row_begin(report, "");
     show(report, folder, "full.png", x->name[index], "Full volume");
     for (uint32_t r = 0; r < x->count; r++) {
         const uint32_t m = x->rank[r];
