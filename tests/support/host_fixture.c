@@ -73,6 +73,34 @@ void test_read(const hs_cl *cl, cl_mem buffer, size_t bytes, void *out) {
                      CL_SUCCESS);
 }
 
+test_slabs test_convert(const hs_cl *cl, const hs_volume *volume, const hs_camera *camera,
+                        const hs_slab_layout *layout, size_t offset, size_t stride) {
+    hs_error err = {0};
+    const uint32_t slabs = hs_slab_count(layout);
+    const size_t bytes = offset + stride * slabs, rays = (size_t)layout->width * layout->height;
+    test_slabs out = {.voxels = unit_memory(bytes)};
+    hs_scanned_rays finder = {0};
+    memset(out.voxels, TEST_GUARD, bytes);
+    cl_mem buffer = test_buffer(cl, bytes, out.voxels);
+    hs_device_volume *source = hs_device_volume_create(cl, volume, &err);
+    hs_scan_converter *converter = source ? hs_scan_converter_create(cl, layout, &err) : NULL;
+    bool ok = converter && hs_scanned_rays_create(&finder, cl, layout, &err);
+    for (uint32_t i = 0; ok && i < slabs; i++)
+        ok = hs_scan_convert_slab(converter, source, camera, i, buffer, offset + i * stride, NULL, &err);
+    if (ok && offset == 0) {
+        out.ranges = unit_memory(rays * sizeof *out.ranges);
+        ok = hs_scanned_rays_find(&finder, layout, source, camera, buffer, stride, &err);
+    }
+    if (!ok) fail_msg("%s", err.text);
+    test_read(cl, buffer, bytes, out.voxels);
+    if (out.ranges) test_read(cl, finder.ranges, rays * sizeof *out.ranges, out.ranges);
+    hs_scanned_rays_destroy(&finder);
+    hs_scan_converter_destroy(converter);
+    hs_device_volume_destroy(source);
+    clReleaseMemObject(buffer);
+    return out;
+}
+
 static int test_open_lanes(void **state, uint32_t lanes) {
     static hs_cl cl;
     hs_error err = {HS_OK, ""};

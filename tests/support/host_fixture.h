@@ -5,6 +5,7 @@
 
 #include "render/camera.h"
 #include "render/host_cl.h"
+#include "render/scan_convert.h"
 #include "support/unit.h"
 
 /* xorshift: the same volumes on every machine. */
@@ -32,6 +33,16 @@ cl_mem test_buffer(const hs_cl *cl, size_t bytes, const void *contents);
 
 /* Waits for the queue and reads the buffer. */
 void test_read(const hs_cl *cl, cl_mem buffer, size_t bytes, void *out);
+
+/* All slabs of a volume, `stride` bytes apart from `offset` on, among bytes of TEST_GUARD; and what was
+ * scanned of every ray if the offset is 0, else NULL. Both are kept. */
+enum { TEST_GUARD = 0xA5 };
+typedef struct {
+    uint8_t *voxels;
+    cl_ushort2 *ranges;
+} test_slabs;
+test_slabs test_convert(const hs_cl *cl, const hs_volume *volume, const hs_camera *camera,
+                        const hs_slab_layout *layout, size_t offset, size_t stride);
 
 /* cmocka group fixtures: *state is an open hs_cl, here with the kernels as this device runs them. */
 int test_open_device(void **state);

@@ -98,27 +98,13 @@ static hs_volume make_volume(bool fan) {
 }
 
 static box_error error_of(const hs_cl *cl, const hs_volume *v, double yaw, double pitch, double span) {
-    hs_error err = {0};
     hs_camera camera;
     hs_camera_look(&camera, v, yaw, pitch);
     const uint32_t across = (uint32_t)lround(camera.extent / span),
                    deep = (uint32_t)lround(camera.depth_extent / span);
     const hs_slab_layout l = {across, across, deep, deep, 1, across, across, across};
     const size_t count = (size_t)across * across * deep;
-    uint8_t *voxels = malloc(count);
-    assert_non_null(voxels);
-    cl_mem slab = test_buffer(cl, count, NULL);
-    hs_device_volume *source = hs_device_volume_create(cl, v, &err);
-    hs_scan_converter *converter = hs_scan_converter_create(cl, &l, &err);
-    if (!source || !converter || !hs_scan_convert_slab(converter, source, &camera, 0, slab, 0, NULL, &err))
-        fail_msg("%s", err.text);
-    test_read(cl, slab, count, voxels);
-    const box_error out = measure(v, &camera, &l, voxels, 7);
-    clReleaseMemObject(slab);
-    hs_scan_converter_destroy(converter);
-    hs_device_volume_destroy(source);
-    free(voxels);
-    return out;
+    return measure(v, &camera, &l, test_convert(cl, v, &camera, &l, 0, count).voxels, 7);
 }
 
 /* Of the voxels at the fan's edge, whose box is cut, some are scanned in one and not in the other: a layer

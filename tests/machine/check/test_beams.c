@@ -204,35 +204,9 @@ static const view views[] = {
     {3, 0, 0, {48, 48, 40}},
 };
 
-typedef struct {
-    uint8_t *voxels;
-    cl_ushort2 *ranges;
-} converted;
-
-static converted convert(const hs_cl *cl, const hs_volume *v, const hs_camera *camera,
-                         const hs_slab_layout *layout) {
-    hs_error err = {0};
-    const size_t bytes = hs_slab_bytes(layout, layout->slab_slices),
-                 rays = (size_t)layout->width * layout->height;
-    const uint32_t slabs = hs_slab_count(layout);
-    converted out = {malloc(bytes * slabs), malloc(rays * sizeof *out.ranges)};
-    assert_true(out.voxels && out.ranges);
-    cl_mem buffer = test_buffer(cl, bytes * slabs, NULL);
-    hs_scanned_rays finder = {0};
-    hs_device_volume *source = hs_device_volume_create(cl, v, &err);
-    hs_scan_converter *converter = source ? hs_scan_converter_create(cl, layout, &err) : NULL;
-    bool ok = converter && hs_scanned_rays_create(&finder, cl, layout, &err);
-    for (uint32_t i = 0; ok && i < slabs; i++)
-        ok = hs_scan_convert_slab(converter, source, camera, i, buffer, i * bytes, NULL, &err);
-    if (!ok || !hs_scanned_rays_find(&finder, layout, source, camera, buffer, bytes, &err))
-        fail_msg("%s", err.text);
-    test_read(cl, buffer, bytes * slabs, out.voxels);
-    test_read(cl, finder.ranges, rays * sizeof *out.ranges, out.ranges);
-    hs_scanned_rays_destroy(&finder);
-    hs_scan_converter_destroy(converter);
-    hs_device_volume_destroy(source);
-    clReleaseMemObject(buffer);
-    return out;
+static test_slabs convert(const hs_cl *cl, const hs_volume *v, const hs_camera *camera,
+                          const hs_slab_layout *l) {
+    return test_convert(cl, v, camera, l, 0, hs_slab_bytes(l, l->slab_slices));
 }
 
 /* As scan_convert.h says for a Cartesian source of this spacing. */
@@ -258,7 +232,7 @@ static void check_view(const hs_cl *cl, const view *w) {
                                    w->lowres[0], w->lowres[1], w->lowres[0]};
     hs_camera_look(&camera, &v, w->yaw, w->pitch);
     samples_of(&v, &camera, &layout, grid);
-    const converted out = convert(cl, &v, &camera, &layout);
+    const test_slabs out = convert(cl, &v, &camera, &layout);
     const size_t rays = (size_t)layout.width * layout.height;
     size_t undecided = 0, crossed = 0;
     for (size_t ray = 0; ray < rays; ray++) {
@@ -290,8 +264,6 @@ static void check_view(const hs_cl *cl, const view *w) {
     assert_true(crossed > rays / 10);
     if (undecided * 50 > rays)
         fail_msg("view %td: %zu of %zu rays graze the border", w - views, undecided, rays);
-    free(out.voxels);
-    free(out.ranges);
     hs_volume_free(&v);
 }
 
@@ -308,8 +280,8 @@ static void volumes_follow_each_other(void **state) {
     other.uneven = 0;
     hs_volume v[2] = {make_volume(&geometries[2], 0.8, NULL), make_volume(&other, 0.8, slope)};
     hs_camera_look(&camera, &v[0], 10, 20);
-    const converted alone[2] = {convert(*state, &v[0], &camera, &layout),
-                                convert(*state, &v[1], &camera, &layout)};
+    const test_slabs alone[2] = {convert(*state, &v[0], &camera, &layout),
+                                 convert(*state, &v[1], &camera, &layout)};
     hs_device_volume *source = hs_device_volume_create(*state, &v[0], &err);
     hs_scan_converter *converter = hs_scan_converter_create(*state, &layout, &err);
     assert_true(source && converter);
@@ -329,11 +301,7 @@ static void volumes_follow_each_other(void **state) {
     clReleaseMemObject(buffer);
     hs_scan_converter_destroy(converter);
     hs_device_volume_destroy(source);
-    for (int i = 0; i < 2; i++) {
-        free(alone[i].voxels);
-        free(alone[i].ranges);
-        hs_volume_free(&v[i]);
-    }
+    for (int i = 0; i < 2; i++) hs_volume_free(&v[i]);
 }
 
 int main(void) {

@@ -6,8 +6,6 @@
 
 #include <math.h>
 
-#define GUARD 0xA5
-
 typedef struct {
     uint32_t size[3];
     double spacing[3];
@@ -46,30 +44,6 @@ static hs_slab_layout plain_layout(const uint32_t lowres[3]) {
     return layout;
 }
 
-/* Converts all slabs into memory filled with GUARD, and returns it: count slabs,
- * `stride` bytes apart from `offset`. */
-static uint8_t *convert(const hs_cl *cl, const hs_volume *volume, const hs_camera *camera,
-                        const hs_slab_layout *layout, size_t offset, size_t stride) {
-    hs_error err = {HS_OK, ""};
-    size_t bytes = offset + stride * hs_slab_count(layout);
-    uint8_t *out = unit_memory(bytes);
-    memset(out, GUARD, bytes);
-    cl_mem slabs = test_buffer(cl, bytes, out);
-    hs_device_volume *source = hs_device_volume_create(cl, volume, &err);
-    hs_scan_converter *converter = source ? hs_scan_converter_create(cl, layout, &err) : NULL;
-    if (!converter) fail_msg("%s", err.text);
-    for (uint32_t i = 0; i < hs_slab_count(layout); i++) {
-        if (!hs_scan_convert_slab(converter, source, camera, i, slabs, offset + i * stride, NULL, &err)) {
-            fail_msg("%s", err.text);
-        }
-    }
-    test_read(cl, slabs, bytes, out);
-    clReleaseMemObject(slabs);
-    hs_scan_converter_destroy(converter);
-    hs_device_volume_destroy(source);
-    return out;
-}
-
 static hs_volume make_case(const convert_case *c, uint32_t seed, hs_camera *camera) {
     test_random random = {seed};
     hs_volume volume = test_volume(&random, c->pattern, c->size, c->spacing);
@@ -92,7 +66,7 @@ static void check_against_reference(const hs_cl *cl, size_t index) {
     hs_volume volume = make_case(c, (uint32_t)(31 + index), &camera);
     const hs_slab_layout layout = plain_layout(c->lowres);
     const size_t count = (size_t)layout.width * layout.height * layout.slices;
-    uint8_t *out = convert(cl, &volume, &camera, &layout, 0, count);
+    uint8_t *out = test_convert(cl, &volume, &camera, &layout, 0, count).voxels;
     int grid[3];
     const ref_way way = ref_grid(&volume, &camera, &layout, grid);
     size_t close = 0;
@@ -153,7 +127,7 @@ static void test_linear_field_keeps_its_place(void **state) {
         hs_camera camera;
         hs_camera_look(&camera, &volume, angles[view][0], angles[view][1]);
         const hs_slab_layout layout = plain_layout(lowres);
-        uint8_t *out = convert(*state, &volume, &camera, &layout, 0, 8000);
+        uint8_t *out = test_convert(*state, &volume, &camera, &layout, 0, 8000).voxels;
         for (uint32_t i = 0; i < 8000; i++) {
             const double box[3] = {(i % 20 + 0.5) / 20.0, (i / 20 % 20 + 0.5) / 20.0, (i / 400 + 0.5) / 20.0};
             double p[3];
@@ -183,12 +157,12 @@ static void check_layout_case(const hs_cl *cl, size_t index, const hs_slab_layou
     hs_volume volume = make_case(&cases[index], 7, &camera);
     const hs_slab_layout plain = plain_layout(cases[index].lowres);
     const size_t count = (size_t)plain.width * plain.height * plain.slices;
-    uint8_t *expected = convert(cl, &volume, &camera, &plain, 0, count);
+    uint8_t *expected = test_convert(cl, &volume, &camera, &plain, 0, count).voxels;
     const size_t stride = hs_slab_bytes(l, l->slab_slices) + 13; /* 13 bytes nobody may touch */
-    uint8_t *out = convert(cl, &volume, &camera, l, offset, stride);
+    uint8_t *out = test_convert(cl, &volume, &camera, l, offset, stride).voxels;
     const size_t bytes = offset + stride * hs_slab_count(l);
     uint8_t *want = unit_memory(bytes);
-    memset(want, GUARD, bytes);
+    memset(want, TEST_GUARD, bytes);
     uint32_t first = 0;
     for (uint32_t slab = 0; slab < hs_slab_count(l); slab++) {
         for (uint32_t s = 0; s < hs_slab_length(l, slab); s++) {
@@ -255,7 +229,7 @@ static void test_replace(void **state) {
     const size_t count = (size_t)layout.width * layout.height * layout.slices;
     for (uint32_t i = 0; i < VOLUMES; i++) {
         volumes[i] = make_case(c, 100 + i, &camera);
-        expected[i] = convert(*state, &volumes[i], &camera, &layout, 0, count);
+        expected[i] = test_convert(*state, &volumes[i], &camera, &layout, 0, count).voxels;
     }
     hs_device_volume *source = hs_device_volume_create(*state, &volumes[0], &err);
     hs_scan_converter *converter = hs_scan_converter_create(*state, &layout, &err);
