@@ -18,17 +18,12 @@ const CRC_OF_BYTE = Array.from({ length: 256 }, (_, byte) => {
 
 /* A chunk of a PNG: its length, its type, these parts (bytes, or numbers of 32 bits), and their sum. */
 function chunkOf(type, ...parts) {
-  const bytes = parts.flatMap((part) => (typeof part === "number" ? [24, 16, 8, 0].map((shift) => (part >>> shift) & 255) : [part]));
-  const size = bytes.reduce((sum, part) => sum + (part.length ?? 1), 0), out = new Uint8Array(size + 12), view = new DataView(out.buffer);
-  view.setUint32(0, size);
-  out.set(new TextEncoder().encode(type), 4);
-  let at_ = 8, crc = -1;
-  for (const part of bytes) {
-    out.set(typeof part === "number" ? [part] : part, at_);
-    at_ += part.length ?? 1;
-  }
-  for (let i = 4; i < at_; i++) crc = CRC_OF_BYTE[(crc ^ out[i]) & 255] ^ (crc >>> 8);
-  view.setUint32(at_, ~crc);
+  const numbers = (part) => (typeof part === "number" ? [24, 16, 8, 0].map((shift) => (part >>> shift) & 255) : [...part]);
+  const bytes = [...new TextEncoder().encode(type)].concat(...parts.map(numbers));
+  const out = new Uint8Array(bytes.length + 8), view = new DataView(out.buffer);
+  view.setUint32(0, bytes.length - 4);
+  out.set(bytes, 4);
+  view.setUint32(bytes.length + 4, ~bytes.reduce((crc, byte) => CRC_OF_BYTE[(crc ^ byte) & 255] ^ (crc >>> 8), -1));
   return out;
 }
 

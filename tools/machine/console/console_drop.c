@@ -54,26 +54,15 @@ static int make_file(const char *folder, const char *given, char name[HS_CONSOLE
     return made;
 }
 
-static bool put(int file, const char *data, size_t bytes) {
-    while (bytes > 0) {
-        const ssize_t written = write(file, data, bytes);
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) return false;
-        data += written;
-        bytes -= (size_t)written;
-    }
-    return true;
-}
-
 /* All that comes, into the file. */
-static bool copy(int file, const char *name, uint64_t bytes, hs_console_receive receive, void *connection,
+static bool copy(FILE *file, const char *name, uint64_t bytes, hs_console_receive receive, void *connection,
                  hs_error *err) {
     char *part = malloc(PART);
     bool ok = part || hs_fail(err, HS_ERR_MEMORY, "%s: no memory", name);
     while (ok && bytes > 0) {
         const int came = receive(connection, part, bytes < PART ? (size_t)bytes : PART);
         if (came <= 0) ok = hs_fail(err, HS_ERR_INPUT, "%s: did not come whole.", name);
-        if (ok && !put(file, part, (size_t)came))
+        if (ok && fwrite(part, 1, (size_t)came, file) != (size_t)came)
             ok = hs_fail(err, HS_ERR_OUTPUT, "%s: no copy can be written: %s.", name, strerror(errno));
         bytes -= ok ? (uint64_t)came : 0;
     }
@@ -91,10 +80,11 @@ bool hs_console_drop_take(const hs_console_files *files, const char *given, uint
         return hs_fail(err, HS_ERR_INPUT, "%.60s: only .mha and .vol can be dropped.", given);
     if (!files->drops) return hs_fail(err, HS_ERR_OUTPUT, "%s: the console has no folder for it.", given);
     (void)mkdir(files->folder[files->count - 1], 0700); /* nobody else knows its name */
-    const int file = make_file(files->folder[files->count - 1], given, name, path);
-    if (file < 0) return hs_fail(err, HS_ERR_OUTPUT, "%s: no copy can be made: %s.", given, strerror(errno));
+    const int made = make_file(files->folder[files->count - 1], given, name, path);
+    FILE *file = made >= 0 ? fdopen(made, "wb") : NULL;
+    if (!file) return hs_fail(err, HS_ERR_OUTPUT, "%s: no copy can be made: %s.", given, strerror(errno));
     bool ok = copy(file, given, bytes, receive, connection, err);
-    if (close(file) != 0 && ok)
+    if (fclose(file) != 0 && ok)
         ok = hs_fail(err, HS_ERR_OUTPUT, "%s: no copy can be written: %s.", given, strerror(errno));
     if (!ok) (void)unlink(path);
     return ok;

@@ -32,6 +32,12 @@ static void put(FILE *out, const char *text) {
             (void)fputc(*c, out);
 }
 
+static void put_in(FILE *out, const char *element, const char *text) {
+    (void)fprintf(out, "<%s>", element);
+    put(out, text);
+    (void)fprintf(out, "</%s>\n", element);
+}
+
 /* The recorded depthmap. A host that tells no spacing gets depths in slices. */
 static bool put_picture(page *p, hs_error *err) {
     const sv_format *f = &p->format;
@@ -89,13 +95,9 @@ static bool put_item(page *p, hs_error *err) {
     const rec_item *it = &p->item;
     if (it->type == REC_CALL) put_call(p);
     if (it->type == REC_RETURN) return put_return(p, err);
-    if (it->type == REC_PLUGIN || it->type == REC_LOG) {
-        (void)fprintf(p->out, it->type == REC_LOG ? "<pre>" : "<h1>");
-        put(p->out, it->type == REC_LOG ? it->text : it->name);
-        put(p->out, it->type == REC_LOG ? "" : " ");
-        put(p->out, it->type == REC_LOG ? "" : it->version);
-        (void)fprintf(p->out, it->type == REC_LOG ? "</pre>\n" : "</h1>\n");
-    }
+    if (it->type == REC_PLUGIN) put_in(p->out, "h1", it->name);
+    if (it->type == REC_PLUGIN) put_in(p->out, "p", it->version);
+    if (it->type == REC_LOG) put_in(p->out, "pre", it->text);
     return true;
 }
 
