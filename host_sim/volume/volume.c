@@ -83,7 +83,8 @@ bool hs_volume_doubt(const hs_volume *v, char out[HS_DOUBT_BYTES]) {
     const bool right = v->beams || (wide >= NARROWEST && wide <= WIDEST);
     const double side[3] = {v->nx * v->spacing[0], v->ny * v->spacing[1], v->nz * v->spacing[2]};
     const int thin = side[0] <= side[1] && side[0] <= side[2] ? 0 : side[1] <= side[2] ? 1 : 2;
-    const bool flat = !v->beams && side[thin] < THINNEST;
+    const bool map = v->nx == 1 || v->ny == 1 || v->nz == 1; /* beside a volume, not one */
+    const bool flat = !v->beams && !map && side[thin] < THINNEST;
     const bool even = most < UNEVEN * least;
     if (right && !flat && even) return false;
     if (right && even)

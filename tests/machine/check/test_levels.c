@@ -193,6 +193,8 @@ static void a_size_is_said_or_doubted(void **state) {
         memcpy(v.spacing, sides[i], sizeof v.spacing);
         assert_true(hs_volume_doubt(&v, doubt) && strstr(doubt, "times as long as another"));
     }
+    const hs_volume map = {.nx = 96, .ny = 96, .nz = 1, .spacing = {1, 1, 1}};
+    assert_false(hs_volume_doubt(&map, doubt));
     const hs_metaimage_options given = {.has_spacing = true, .spacing = {1, 2, 3}};
     write_fan("fan.mha", HS_MET_UCHAR, 0, 1, false);
     hs_volume unsaid = files_read("fan.mha", NULL);
