@@ -3,6 +3,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* In parentheses, so that the analyser's macro of this name leaves the definition alone. */
 bool(hs_fail)(hs_error *err, hs_code code, const char *format, ...) {
@@ -15,4 +16,10 @@ bool(hs_fail)(hs_error *err, hs_code code, const char *format, ...) {
     (void)vsnprintf(err->text, sizeof err->text, format, args);
     va_end(args);
     return false;
+}
+
+void *hs_memory(size_t count, size_t bytes, const char *what, hs_error *err) {
+    void *memory = calloc(count, bytes);
+    if (!memory) (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu x %zu bytes", what, count, bytes);
+    return memory;
 }

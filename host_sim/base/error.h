@@ -4,6 +4,7 @@
 #define HS_ERROR_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 /* Exit codes of host_sim (README, "Exit codes"). The numbers are part of its interface. */
 typedef enum {
@@ -25,6 +26,10 @@ typedef struct {
 /* Records the error unless one is there already. Always returns false, so that a function can end with
  * `return hs_fail(err, HS_ERR_INPUT, "%s: DimSize is '%s', expected three numbers", path, value);` */
 bool hs_fail(hs_error *err, hs_code code, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* Zeroed memory for `count` things of `bytes` bytes each, which the caller frees. NULL: HS_ERR_MEMORY names what
+ * it was for. */
+void *hs_memory(size_t count, size_t bytes, const char *what, hs_error *err);
 
 /* clang's analyser reads one file at a time: this tells it what the comment above promises. */
 #ifdef __clang_analyzer__

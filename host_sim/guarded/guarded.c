@@ -282,8 +282,8 @@ bool hs_guarded_open(hs_plugin *plugin, const char *path, const char *id, int32_
     *plugin = (hs_plugin){0};
     hs_plugin_find(path, found, sizeof found);
     if (!hs_guard_wanted(options, found)) return hs_plugin_open(plugin, path, id, log_level, err);
-    hs_guard *guard = calloc(1, sizeof *guard);
-    if (!guard) return hs_fail(err, HS_ERR_MEMORY, "guard: no memory");
+    hs_guard *guard = hs_memory(1, sizeof *guard, "guard", err);
+    if (!guard) return false;
     guard->options = *options;
     guard->way = (hs_handover){SV_CARRIER_HOST, true};
     guard->log_level = log_level;

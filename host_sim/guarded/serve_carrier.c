@@ -45,8 +45,8 @@ static bool make_images(hs_carrier *carrier, hs_error *err) {
     texture_size(&carrier->format, carrier->format.max_slab_slices, size);
     const cl_image_desc desc = {
         .image_type = CL_MEM_OBJECT_IMAGE2D, .image_width = size[0], .image_height = size[1]};
-    carrier->images = calloc(count, sizeof *carrier->images);
-    if (!carrier->images) return hs_fail(err, HS_ERR_MEMORY, "slab images: no memory for %u handles", count);
+    carrier->images = hs_memory(count, sizeof *carrier->images, "slab images", err);
+    if (!carrier->images) return false;
     for (uint32_t i = 0; i < count; i++) {
         cl_int code;
         carrier->images[i] =

@@ -62,9 +62,8 @@ static sv_format make_format(const hs_clipper *clipper) {
 
 /* A failure here is the plugin's: it stays inactive, and the host goes on without it. */
 static bool activate(hs_clipper *clipper, hs_error *err) {
-    sv_param_value *fixed = calloc(clipper->value_count + 1u, sizeof *fixed);
-    if (!fixed)
-        return hs_fail(err, HS_ERR_MEMORY, "plugin parameters: no memory for %u", clipper->value_count);
+    sv_param_value *fixed = hs_memory(clipper->value_count + 1u, sizeof *fixed, "plugin parameters", err);
+    if (!fixed) return false;
     sv_format format = make_format(clipper);
     const sv_plugin *instance = clipper->plugin->instance;
     if (!select_reactivate_values(clipper, fixed, &format.value_count)) {
@@ -95,11 +94,8 @@ static bool create_memory(hs_clipper *clipper, hs_error *err) {
 hs_clipper *hs_clipper_create(const hs_cl *cl, const hs_slabs *slabs, const hs_plugin *plugin,
                               const hs_clipper_options *options, hs_error *err) {
     const hs_slab_layout *layout = hs_slabs_layout(slabs);
-    hs_clipper *clipper = calloc(1, sizeof *clipper);
-    if (!clipper) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "depthmap: no memory");
-        return NULL;
-    }
+    hs_clipper *clipper = hs_memory(1, sizeof *clipper, "depthmap", err);
+    if (!clipper) return NULL;
     clipper->plugin = plugin;
     clipper->cl = cl;
     clipper->slabs = slabs;

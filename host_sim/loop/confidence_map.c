@@ -66,11 +66,8 @@ static bool create_memory(hs_confidence_map *map, hs_error *err) {
 
 hs_confidence_map *hs_confidence_map_create(const hs_cl *cl, const hs_plugin *plugin, uint32_t width,
                                             uint32_t height, bool own_queue, hs_error *err) {
-    hs_confidence_map *map = calloc(1, sizeof *map);
-    if (!map) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "confidence: no memory");
-        return NULL;
-    }
+    hs_confidence_map *map = hs_memory(1, sizeof *map, "confidence", err);
+    if (!map) return NULL;
     map->cl = cl;
     map->plugin = plugin;
     map->ext = find_extension(plugin);

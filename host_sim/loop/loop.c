@@ -206,11 +206,8 @@ static bool can_look_from(const hs_source *source, const hs_loop_options *option
 hs_loop *hs_loop_create(const hs_cl *cl, const hs_source *source, const hs_plugin *plugin,
                         const hs_loop_options *options, hs_error *err) {
     if (!hs_loop_check_options(options, err) || !can_look_from(source, options, err)) return NULL;
-    hs_loop *loop = calloc(1, sizeof *loop);
-    if (!loop) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "scan loop: no memory");
-        return NULL;
-    }
+    hs_loop *loop = hs_memory(1, sizeof *loop, "scan loop", err);
+    if (!loop) return NULL;
     loop->cl = cl;
     loop->source = source;
     loop->options = *options;

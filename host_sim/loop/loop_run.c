@@ -151,8 +151,8 @@ bool hs_loop_run(hs_loop *loop, hs_setting setting, hs_progress *progress, hs_lo
                  hs_error *err) {
     const uint32_t frames = loop->options.frames;
     *result = (hs_loop_result){.setting = setting, .frames = frames};
-    double *times = calloc((size_t)HS_STAGE_COUNT * frames, sizeof *times);
-    if (!times) return hs_fail(err, HS_ERR_MEMORY, "times: no memory for %u frames", frames);
+    double *times = hs_memory((size_t)HS_STAGE_COUNT * frames, sizeof *times, "times", err);
+    if (!times) return false;
     const bool ok = run_frames(loop, times, progress, result, err);
     free(times);
     if (!ok) return false;

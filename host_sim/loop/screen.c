@@ -14,11 +14,8 @@ struct hs_screen {
 };
 
 hs_screen *hs_screen_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err) {
-    hs_screen *screen = calloc(1, sizeof *screen);
-    if (!screen) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "picture: no memory");
-        return NULL;
-    }
+    hs_screen *screen = hs_memory(1, sizeof *screen, "picture", err);
+    if (!screen) return NULL;
     screen->cl = cl;
     screen->settings = *settings;
     screen->pixels = (size_t)settings->width * settings->height;

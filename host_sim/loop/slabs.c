@@ -61,9 +61,8 @@ static bool check_image_size(const hs_slabs *slabs, hs_error *err) {
 
 static bool create_images(hs_slabs *slabs, hs_error *err) {
     const cl_image_format format = {.image_channel_order = CL_R, .image_channel_data_type = CL_UNORM_INT8};
-    slabs->images = calloc(slabs->count, sizeof(cl_mem));
-    if (!slabs->images)
-        return hs_fail(err, HS_ERR_MEMORY, "slab images: no memory for %u handles", slabs->count);
+    slabs->images = hs_memory(slabs->count, sizeof(cl_mem), "slab images", err);
+    if (!slabs->images) return false;
     for (uint32_t i = 0; i < slabs->count; i++) {
         const cl_image_desc desc = {.image_type = CL_MEM_OBJECT_IMAGE2D,
                                     .image_width = (size_t)slabs->layout.tiles_x * slabs->layout.tile_w,
@@ -110,8 +109,8 @@ static bool create_memory(hs_slabs *slabs, hs_error *err) {
 static bool create_ranges(hs_slabs *slabs, hs_error *err) {
     const size_t rays = (size_t)slabs->layout.width * slabs->layout.height;
     if (slabs->fan != HS_FAN_RANGES) return true;
-    slabs->ranges = calloc(rays, sizeof *slabs->ranges);
-    if (!slabs->ranges) return hs_fail(err, HS_ERR_MEMORY, "scanned ranges: no memory for %zu rays", rays);
+    slabs->ranges = hs_memory(rays, sizeof *slabs->ranges, "scanned ranges", err);
+    if (!slabs->ranges) return false;
     return hs_scanned_rays_create(&slabs->rays, slabs->cl, &slabs->layout, err);
 }
 
@@ -125,11 +124,8 @@ size_t hs_slabs_bytes(const hs_slab_layout *layout) {
 
 hs_slabs *hs_slabs_create(const hs_cl *cl, const hs_slab_layout *layout, uint32_t carrier, hs_fan fan,
                           bool gaps, void *memory, hs_error *err) {
-    hs_slabs *slabs = calloc(1, sizeof *slabs);
-    if (!slabs) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "slabs: no memory");
-        return NULL;
-    }
+    hs_slabs *slabs = hs_memory(1, sizeof *slabs, "slabs", err);
+    if (!slabs) return NULL;
     slabs->cl = cl;
     slabs->layout = *layout;
     slabs->carrier = carrier;

@@ -112,11 +112,8 @@ static void hs_stream_close(hs_stream *s) {
 /* Reads the first volume and starts the thread, which has the sequence to itself until hs_stream_close; it
  * must outlive the stream. NULL with the errors of hs_sequence_read, or HS_ERR_MEMORY. */
 static hs_stream *hs_stream_open(hs_sequence *sequence, hs_error *err) {
-    hs_stream *s = calloc(1, sizeof *s);
-    if (!s) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "sequence: no memory");
-        return NULL;
-    }
+    hs_stream *s = hs_memory(1, sizeof *s, "sequence", err);
+    if (!s) return NULL;
     s->sequence = sequence;
     s->count = hs_sequence_count(sequence);
     (void)pthread_mutex_init(&s->lock, NULL);
@@ -318,8 +315,8 @@ const hs_source_origin *hs_source_origin_of(const hs_source *source, uint32_t in
 }
 
 bool hs_source_set_truth(hs_source *source, const hs_volume *truth, hs_error *err) {
-    const hs_volume **truths = calloc(source->count, sizeof *truths);
-    if (!truths) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for its place in a sequence", truth->name);
+    const hs_volume **truths = hs_memory(source->count, sizeof *truths, truth->name, err);
+    if (!truths) return false;
     truths[0] = truth;
     free(source->truths);
     source->truths = truths;

@@ -21,8 +21,8 @@ static bool allocate_maps(const hs_loop *loop, hs_maps *maps, hs_error *err) {
 }
 
 static bool read_confidence(const hs_loop *loop, size_t rays, hs_maps *maps, hs_error *err) {
-    maps->confidence = malloc(rays * sizeof *maps->confidence);
-    if (!maps->confidence) return hs_fail(err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", rays);
+    maps->confidence = hs_memory(rays, sizeof *maps->confidence, "confidence", err);
+    if (!maps->confidence) return false;
     return hs_clipper_read_confidence(loop->clipper, maps->confidence, err);
 }
 
@@ -133,8 +133,8 @@ static bool truth_surface(const hs_cl *cl, const hs_scene_data *data, const hs_c
     const hs_volume *v = &data->full;
     const uint32_t side = v->nx > v->ny ? v->nx : v->ny;
     const size_t bytes = (size_t)side * side * sizeof(float);
-    float *map = malloc(bytes);
-    if (!map) return hs_fail(err, HS_ERR_MEMORY, "ground truth: no memory for %zu bytes", bytes);
+    float *map = hs_memory(1, bytes, "ground truth", err);
+    if (!map) return false;
     fill_surface(data, camera, side, map);
     cl_int code;
     *out = (hs_start_depths){.width = side, .height = side, .slices = v->nz};
@@ -291,8 +291,8 @@ bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
 static bool frame_with(hs_loop *loop, uint32_t index, sv_param_value value, hs_frame *frame, hs_error *err) {
     uint32_t count;
     const sv_param_value *before = hs_clipper_values(loop->clipper, &count);
-    sv_param_value *values = calloc(count + 1u, sizeof *values);
-    if (!values) return hs_fail(err, HS_ERR_MEMORY, "plugin parameters: no memory for %u", count + 1u);
+    sv_param_value *values = hs_memory(count + 1u, sizeof *values, "plugin parameters", err);
+    if (!values) return false;
     if (count) memcpy(values, before, count * sizeof *values);
     values[count] = value;
     hs_loop_set_values(loop, values, count + 1);

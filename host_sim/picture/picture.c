@@ -55,8 +55,8 @@ bool hs_picture_png(const hs_picture *picture, uint8_t **data, size_t *bytes, hs
     const size_t count = (size_t)picture->width * picture->height;
     *data = NULL;
     *bytes = 0;
-    uint8_t *rgb = malloc(count * 3);
-    if (!rgb) return hs_fail(err, HS_ERR_MEMORY, "PNG: no memory for %zu pixels", count);
+    uint8_t *rgb = hs_memory(1, count * 3, "PNG", err);
+    if (!rgb) return false;
     for (size_t i = 0; i < count; i++)
         for (unsigned c = 0; c < 3; c++) rgb[i * 3 + c] = (uint8_t)(picture->pixels[i] >> (16 - 8 * c));
     const bool ok = write_png(picture, rgb, data, bytes, err);

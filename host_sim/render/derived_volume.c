@@ -56,11 +56,8 @@ static hs_lit_view lit_of(const uint32_t n[3]) {
 }
 
 hs_derived *hs_derived_create(const hs_cl *cl, const uint32_t n[3], hs_error *err) {
-    hs_derived *d = calloc(1, sizeof *d);
-    if (!d) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "what is made of a volume: no memory");
-        return NULL;
-    }
+    hs_derived *d = hs_memory(1, sizeof *d, "what is made of a volume", err);
+    if (!d) return NULL;
     d->cl = cl;
     d->lit = lit_of(n);
     for (int k = 0; k < 3; k++) {

@@ -240,11 +240,8 @@ static bool init(hs_device_volume *dv, const hs_volume *volume, hs_error *err) {
 }
 
 hs_device_volume *hs_device_volume_create(const hs_cl *cl, const hs_volume *volume, hs_error *err) {
-    hs_device_volume *dv = calloc(1, sizeof *dv);
-    if (!dv) {
-        hs_fail(err, HS_ERR_MEMORY, "%s: no memory for the device volume", volume->name);
-        return NULL;
-    }
+    hs_device_volume *dv = hs_memory(1, sizeof *dv, volume->name, err);
+    if (!dv) return NULL;
     dv->cl = cl;
     if (init(dv, volume, err)) return dv;
     hs_device_volume_destroy(dv);

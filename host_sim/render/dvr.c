@@ -21,11 +21,8 @@ static bool init(hs_dvr *dvr, const hs_dvr_settings *settings, hs_error *err) {
 }
 
 hs_dvr *hs_dvr_create(const hs_cl *cl, const hs_dvr_settings *settings, hs_error *err) {
-    hs_dvr *dvr = calloc(1, sizeof *dvr);
-    if (!dvr) {
-        hs_fail(err, HS_ERR_MEMORY, "renderer: no memory");
-        return NULL;
-    }
+    hs_dvr *dvr = hs_memory(1, sizeof *dvr, "renderer", err);
+    if (!dvr) return NULL;
     dvr->cl = cl;
     if (init(dvr, settings, err)) return dvr;
     hs_dvr_destroy(dvr);

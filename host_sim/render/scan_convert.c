@@ -83,11 +83,8 @@ static bool init(hs_scan_converter *converter, const hs_slab_layout *layout, hs_
 }
 
 hs_scan_converter *hs_scan_converter_create(const hs_cl *cl, const hs_slab_layout *layout, hs_error *err) {
-    hs_scan_converter *converter = calloc(1, sizeof *converter);
-    if (!converter) {
-        hs_fail(err, HS_ERR_MEMORY, "scan conversion: no memory for the converter");
-        return NULL;
-    }
+    hs_scan_converter *converter = hs_memory(1, sizeof *converter, "scan conversion", err);
+    if (!converter) return NULL;
     converter->cl = cl;
     if (init(converter, layout, err)) return converter;
     hs_scan_converter_destroy(converter);

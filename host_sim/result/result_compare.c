@@ -34,8 +34,8 @@ bool hs_result_compare(const char *folder, const char *reference, uint32_t width
     char map[PATH_MAX], rows[PATH_MAX];
     const uint32_t rays = width * height;
     *out = (hs_result_difference){.rays = rays, .tolerance = tolerance};
-    double *kept = calloc((size_t)rays * 2, sizeof *kept);
-    if (!kept) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %u rays", reference, rays);
+    double *kept = hs_memory((size_t)rays * 2, sizeof *kept, reference, err);
+    if (!kept) return false;
     const bool ok = hs_path_join(folder, "depthmap.mha", map, sizeof map, err) &&
                     hs_path_join(folder, "differences.csv", rows, sizeof rows, err) &&
                     hs_metaimage_read_map(reference, width, height, kept, err) &&

@@ -114,11 +114,8 @@ static bool all_from_metaimage(const hs_source *source) {
 }
 
 hs_result_voxels *hs_result_voxels_open(const hs_source *source, hs_error *err) {
-    hs_result_voxels *v = calloc(1, sizeof *v);
-    if (!v) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "results: no memory");
-        return NULL;
-    }
+    hs_result_voxels *v = hs_memory(1, sizeof *v, "results", err);
+    if (!v) return NULL;
     v->source = source;
     v->err = err;
     v->type = HS_MET_UCHAR;
@@ -196,9 +193,8 @@ static bool is_sequence(const writing *w) {
 
 static bool gather_fields(writing *w) {
     if (!is_sequence(w) || !hs_source_origin_of(w->source, 0)) return true;
-    w->fields = calloc(w->source->count, sizeof *w->fields);
-    if (!w->fields)
-        return hs_fail(w->err, HS_ERR_MEMORY, "results: no memory for %u volumes", w->source->count);
+    w->fields = hs_memory(w->source->count, sizeof *w->fields, "results", w->err);
+    if (!w->fields) return false;
     for (uint32_t i = 0; i < w->source->count; i++) w->fields[i] = hs_source_origin_of(w->source, i)->fields;
     return true;
 }
@@ -250,8 +246,8 @@ static bool open_files(writing *w, uint32_t wanted) {
     }
     if (w->report->what & (HS_RESULT_CLIPPED | HS_RESULT_MASK)) {
         const size_t count = hs_volume_count(hs_source_shape(w->source));
-        w->mask = malloc(count);
-        if (!w->mask) return hs_fail(w->err, HS_ERR_MEMORY, "mask: no memory for %zu voxels", count);
+        w->mask = hs_memory(1, count, "mask", w->err);
+        if (!w->mask) return false;
     }
     if (!gather_fields(w)) return false;
     for (uint32_t i = 0; i < FILES; i++)
@@ -266,8 +262,8 @@ static bool write_depthmap(writing *w, hs_metaimage_stream *out) {
     hs_result_grid grid;
     hs_result_grid_of(&w->maps, hs_source_shape(w->source), &grid);
     const size_t rays = (size_t)w->maps.width * w->maps.height;
-    float *mm = malloc(rays * sizeof *mm);
-    if (!mm) return hs_fail(w->err, HS_ERR_MEMORY, "depthmap: no memory for %zu pixels", rays);
+    float *mm = hs_memory(rays, sizeof *mm, "depthmap", w->err);
+    if (!mm) return false;
     for (size_t i = 0; i < rays; i++) mm[i] = (float)((double)w->maps.depth[i] * grid.spacing[2]);
     const bool ok = hs_metaimage_stream_write(out, mm, rays * sizeof *mm);
     free(mm);
@@ -279,8 +275,8 @@ static bool write_confidence(writing *w, hs_metaimage_stream *out) {
     const size_t rays = (size_t)w->maps.width * w->maps.height;
     if (w->maps.confidence)
         return hs_metaimage_stream_write(out, w->maps.confidence, rays * sizeof *w->maps.confidence);
-    float *none = calloc(rays, sizeof *none);
-    if (!none) return hs_fail(w->err, HS_ERR_MEMORY, "confidence: no memory for %zu pixels", rays);
+    float *none = hs_memory(rays, sizeof *none, "confidence", w->err);
+    if (!none) return false;
     const bool ok = hs_metaimage_stream_write(out, none, rays * sizeof *none);
     free(none);
     return ok;
@@ -290,8 +286,8 @@ static bool write_clipped(writing *w, uint32_t index, hs_metaimage_stream *out) 
     const size_t count = hs_volume_count(hs_source_shape(w->source));
     const size_t width = hs_met_type_bytes(w->voxels->type);
     const uint8_t *fill = w->voxels->fill;
-    uint8_t *kept = malloc(HS_RESULT_CHUNK * width);
-    if (!kept) return hs_fail(w->err, HS_ERR_MEMORY, "clipped: no memory");
+    uint8_t *kept = hs_memory(1, HS_RESULT_CHUNK * width, "clipped", w->err);
+    if (!kept) return false;
     const uint8_t *mask = w->mask; /* open_files made it */
     bool ok = mask && hs_result_voxels_turn(w->voxels, index);
     for (size_t first = 0; ok && first < count; first += HS_RESULT_CHUNK) {

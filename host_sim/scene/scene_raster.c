@@ -225,9 +225,8 @@ static void brick_row(void *context, uint32_t block) {
 static bool make_layer_shift(raster *r, hs_error *err) {
     const hs_field *f = r->field;
     const float k = 6.2831853f / r->spec->extent_mm;
-    r->layer_shift = malloc(hs_field_slice(f) * sizeof *r->layer_shift);
-    if (!r->layer_shift)
-        return hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %zu pixels", hs_field_slice(f));
+    r->layer_shift = hs_memory(hs_field_slice(f), sizeof *r->layer_shift, "scene", err);
+    if (!r->layer_shift) return false;
     for (uint32_t y = 0; y < f->n[1]; y++)
         for (uint32_t x = 0; x < f->n[0]; x++)
             r->layer_shift[(size_t)y * f->n[0] + x] =

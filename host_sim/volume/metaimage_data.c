@@ -66,11 +66,8 @@ static bool check_compressed_size(hs_met_data *d, uint64_t file_bytes, hs_error 
 }
 
 hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_error *err) {
-    hs_met_data *d = calloc(1, sizeof *d);
-    if (!d) {
-        hs_fail(err, HS_ERR_MEMORY, "%s: no memory to read the data", path);
-        return NULL;
-    }
+    hs_met_data *d = hs_memory(1, sizeof *d, path, err);
+    if (!d) return NULL;
     d->path = path;
     d->header = header;
     /* At most 2^31 voxels of 4 channels of 8 bytes in 10^5 volumes: no overflow. */

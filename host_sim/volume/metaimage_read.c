@@ -154,8 +154,8 @@ static bool make_table(hs_metaimage *m) {
     enum { PATTERNS = 1 << 16 };
     const uint32_t width = m->header->element_bytes, count = width == 1 ? 256 : PATTERNS;
     if (width > 2) return true;
-    m->table = malloc(count);
-    if (!m->table) return hs_fail(m->err, HS_ERR_MEMORY, "%s: no memory to map its values", m->path);
+    m->table = hs_memory(1, count, m->path, m->err);
+    if (!m->table) return false;
     for (uint32_t first = 0; first < count; first += 256) {
         uint8_t raw[512];
         double value[256];
@@ -241,9 +241,8 @@ static bool start(hs_metaimage *m) {
     if (!m->voxels) return false;
     m->header = hs_met_voxels_header(m->voxels);
     hs_met_voxels_allow_gaps(m->voxels);
-    m->frames = calloc(m->header->frames, sizeof *m->frames);
-    if (!m->frames)
-        return hs_fail(m->err, HS_ERR_MEMORY, "%s: no memory for %u volumes", m->path, m->header->frames);
+    m->frames = hs_memory(m->header->frames, sizeof *m->frames, m->path, m->err);
+    if (!m->frames) return false;
     for (uint32_t frame = 0; frame < m->header->frames; frame++)
         if (!is_invalid(m->header, frame)) m->frames[m->valid++] = frame;
     if (m->valid == 0)
@@ -269,11 +268,8 @@ hs_metaimage *hs_metaimage_open(const char *path, const hs_metaimage_options *op
     const hs_metaimage_options defaults = {0};
     if (!opt) opt = &defaults;
     if (!check_window(path, opt, err)) return NULL;
-    hs_metaimage *m = calloc(1, sizeof *m);
-    if (!m) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory to read the file", path);
-        return NULL;
-    }
+    hs_metaimage *m = hs_memory(1, sizeof *m, path, err);
+    if (!m) return NULL;
     *m = (hs_metaimage){.path = path, .options = *opt, .err = err};
     if (start(m)) return m;
     hs_metaimage_close(m);

@@ -140,8 +140,8 @@ static int by_name(const void *a, const void *b) {
 }
 
 static bool no_field_twice(const hs_met_text *text) {
-    const hs_met_value **sorted = malloc(text->frame_count * sizeof *sorted);
-    if (!sorted) return hs_fail(text->err, HS_ERR_MEMORY, "%s: no memory to read the header", text->path);
+    const hs_met_value **sorted = hs_memory(text->frame_count, sizeof *sorted, text->path, text->err);
+    if (!sorted) return false;
     for (size_t i = 0; i < text->frame_count; i++) sorted[i] = &text->frames[i];
     qsort(sorted, text->frame_count, sizeof *sorted, by_name);
     const hs_met_value *second = NULL, *first = NULL;

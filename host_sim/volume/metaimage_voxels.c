@@ -86,11 +86,8 @@ void hs_met_decode(hs_met_type type, const uint8_t *raw, size_t count, double *v
 }
 
 hs_met_voxels *hs_met_voxels_open(const char *path, hs_error *err) {
-    hs_met_voxels *v = calloc(1, sizeof *v);
-    if (!v) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory to read the file", path);
-        return NULL;
-    }
+    hs_met_voxels *v = hs_memory(1, sizeof *v, path, err);
+    if (!v) return NULL;
     v->path = path;
     v->err = err;
     if (hs_met_header_read(path, &v->header, err)) v->data = hs_met_data_open(path, &v->header, err);

@@ -133,11 +133,8 @@ static bool start(hs_metaimage_stream *s, const char *path) {
 
 hs_metaimage_stream *hs_metaimage_stream_open(const char *path, const hs_metaimage_format *format,
                                               hs_error *err) {
-    hs_metaimage_stream *s = calloc(1, sizeof *s);
-    if (!s) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory to write the file", path);
-        return NULL;
-    }
+    hs_metaimage_stream *s = hs_memory(1, sizeof *s, path, err);
+    if (!s) return NULL;
     s->err = err;
     s->format = *format;
     hs_pose_default(&s->pose);

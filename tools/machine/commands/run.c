@@ -42,8 +42,8 @@ static bool open_plugin(hs_run *run, hs_error *err) {
     run->has_plugin = hs_guarded_open(&run->plugin, run->plugin_path, r->plugin_id, r->log_level, &r->guard,
                                       &run->earlier_error);
     if (!run->has_plugin) return true;
-    run->values = calloc(r->set_count + 1u, sizeof *run->values);
-    if (!run->values) return hs_fail(err, HS_ERR_MEMORY, "plugin parameters: no memory for %u", r->set_count);
+    run->values = hs_memory(r->set_count + 1u, sizeof *run->values, "plugin parameters", err);
+    if (!run->values) return false;
     for (uint32_t i = 0; i < r->set_count; i++)
         if (!hs_plugin_parse_param(&run->plugin, r->sets[i], &run->values[i], err)) return false;
     run->request.loop.values = run->values;

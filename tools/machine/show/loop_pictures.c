@@ -56,11 +56,8 @@ static const char *foot_of(const hs_view *view, const char *note, char *out, siz
 static float *depth_in_mm(const hs_view *view, hs_error *err) {
     const size_t rays = (size_t)view->map_width * view->map_height;
     const double slice = view->camera.depth_extent / view->slices;
-    float *mm = malloc(rays * sizeof *mm);
-    if (!mm) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "depthmap: no memory for %zu rays", rays);
-        return NULL;
-    }
+    float *mm = hs_memory(1, rays * sizeof *mm, "depthmap", err);
+    if (!mm) return NULL;
     for (size_t i = 0; i < rays; i++)
         mm[i] = view->depth[i] > 0.0f ? (float)(((double)view->depth[i] + 0.5) * slice) : view->depth[i];
     return mm;
