@@ -63,9 +63,9 @@ typedef struct {
     const char *footer; /* below; '\n' parts lines */
 } hs_caption;
 
-/* `count` (1 .. 8) images of equal size next to each other, each `cell` pixels wide (0: 512, so that three
- * make 1600) and scaled smoothly with its aspect kept. Allocates *out (hs_picture_free it); on failure it is
- * zeroed, with HS_ERR_INPUT if sizes differ. */
+/* Square images next to each other, `count` of them, each `cell` pixels wide (0: 512, so that three make
+ * 1600) and scaled smoothly. Allocates *out (hs_picture_free it); on failure it is zeroed, with the errors of
+ * hs_picture_init. */
 bool hs_picture_panel(hs_picture *out, const hs_panel_item *items, uint32_t count, uint32_t cell,
                       const hs_caption *caption, hs_error *err);
 

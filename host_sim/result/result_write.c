@@ -350,9 +350,6 @@ static bool write_all(writing *w, uint32_t wanted) {
 bool hs_results_write(hs_loop *loop, const hs_source *source, uint32_t wanted, uint32_t welcome,
                       const char *folder, hs_result_report *report, hs_error *err) {
     *report = (hs_result_report){.what = wanted | welcome, .volumes = source->count};
-    if (hs_loop_get_options(loop)->orbit != 0)
-        return hs_fail(err, HS_ERR_USAGE, "results: an orbit of %g degrees has no one camera",
-                       hs_loop_get_options(loop)->orbit);
     writing w = {.loop = loop, .source = source, .folder = folder, .report = report, .err = err};
     const bool ok = write_all(&w, wanted);
     hs_result_voxels_close(w.voxels);

@@ -89,8 +89,8 @@ typedef struct {
 /*
  * Writes one file each into the folder: NAME.mha, and surface.ply. A source of several volumes gives
  * sequences of four dimensions, and surface_0000.ply, surface_0001.ply, ... The maps lie in the patient where
- * the camera saw them; clipped and mask have the source's own voxels. The loop's camera must stand still
- * (HS_ERR_USAGE).
+ * the camera saw them; clipped and mask have the source's own voxels. The loop's camera must stand
+ * still.
  *
  * `wanted` must be there, `welcome` may: a confidence that is only welcome and that the plugin does not give
  * is left out; else HS_ERR_PLUGIN. A plugin that fails gives zeros, and clips nothing. Other errors:

@@ -92,8 +92,6 @@ typedef struct {
     uint32_t frame;
     /* 0: one per processor. The bytes do not depend on it. */
     uint32_t threads;
-    /* Artefacts to leave out although the scene lists them: bits 1 << HS_SCENE_STEP_*. */
-    uint64_t skip;
     /* MetaImage volume that a scene of kind "real" puts its occluders before; NULL for all others. */
     const char *real;
 } hs_scene_options;

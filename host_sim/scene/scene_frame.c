@@ -85,7 +85,6 @@ typedef struct {
     const hs_volume *given; /* NULL but for a real scene */
     hs_scene_data *data;
     hs_error *err;
-    uint64_t skip;
 } making;
 
 static bool raster(making *m) {
@@ -110,13 +109,12 @@ static bool run_step(making *m, int step) {
            hs_fail(m->err, HS_ERR_MEMORY, "scene %s: no memory for %s", m->spec.name, steps[step].name);
 }
 
-/* Whether the scene asks for a step, and the caller does not leave it out. */
+/* Whether the scene asks for a step. */
 static bool wanted(const making *m, int step) {
     if (steps[step].on == ALWAYS) return true;
-    const bool listed = step == HS_SCENE_STEP_CAMERA
-                            ? hs_scene_camera_turned(&m->spec)
-                            : *(const bool *)(const void *)((const char *)&m->spec + steps[step].on);
-    return listed && !(m->skip >> step & 1u);
+    return step == HS_SCENE_STEP_CAMERA
+               ? hs_scene_camera_turned(&m->spec)
+               : *(const bool *)(const void *)((const char *)&m->spec + steps[step].on);
 }
 
 static bool run_steps(making *m) {
@@ -205,7 +203,6 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
     m->given = options->real ? &given : NULL;
     m->data = out;
     m->err = err;
-    m->skip = options->skip;
     hs_scene_move(&m->spec, options->frame);
     m->field.threads = hs_thread_count(options->threads);
     m->field.seed = options->seed ? options->seed : m->spec.seed;

@@ -262,14 +262,6 @@ static void three_panels_make_1600_pixels(void **state) {
     assert_int_equal(bare.width, 160);
     hs_picture_free(&bare);
     hs_picture_free(&p);
-
-    items[1].image.width = 32;
-    assert_false(hs_picture_panel(&p, items, 3, 0, &caption, &err));
-    unit_told(err, HS_ERR_INPUT, "picture 1 is 32 x 64, expected 64 x 64");
-    assert_null(p.pixels);
-    err = (hs_error){0};
-    assert_false(hs_picture_panel(&p, items, 9, 0, &caption, &err));
-    assert_non_null(strstr(err.text, "9 pictures, expected 1 .. 8"));
 }
 
 /* Where entry (x, y) of an 8 x 8 map is drawn: 768 / 8 = 96 pixels each, after a margin of 16 and a title

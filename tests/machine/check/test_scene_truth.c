@@ -111,22 +111,6 @@ static void frames_move_and_keep_their_truth(void **state) {
     assert_memory_not_equal(still.full.voxels, frame.full.voxels, hs_volume_count(&still.full));
 }
 
-/* What a scene does not list need not be left out; what it lists and is left out is not there. */
-static void artefacts_are_left_out(void **state) {
-    hs_error err = {0};
-    const hs_scene_options unlisted = {.size = 48,
-                                       .skip = 1u << HS_SCENE_STEP_SIDE_LOBES | 1u << HS_SCENE_STEP_FAR_BAND |
-                                               1u << HS_SCENE_STEP_REVERBERATION};
-    const hs_scene_options listed = {.size = 48,
-                                     .skip = 1u << HS_SCENE_STEP_SPECKLE | 1u << HS_SCENE_STEP_FAN};
-    const hs_scene_data d = make_scene("D01", 48, 1, 0, 0);
-    const hs_scene_data same = scene_frame(hs_scene_open("D01", &err), &unlisted);
-    const hs_scene_data other = scene_frame(hs_scene_open("D01", &err), &listed);
-    assert_memory_equal(d.full.voxels, same.full.voxels, hs_volume_count(&d.full));
-    assert_memory_not_equal(d.full.voxels, other.full.voxels, hs_volume_count(&d.full));
-    assert_null(memchr(other.full.voxels, 0, hs_volume_count(&other.full)));
-}
-
 /* Occluders before a given volume: a ball of tissue in fluid, which a constant would not be. The truth is the
  * volume moved back, and what is put before the ball leaves fluid between. */
 static void real_volumes_are_their_own_truth(void **state) {
@@ -226,5 +210,5 @@ static void nine_cases_are_exact_and_frozen(void **state) {
 UNIT_MAIN(NULL, NULL, cmocka_unit_test(clean_intervals_look_dark),
           cmocka_unit_test(what_touches_the_fetus_is_counted), cmocka_unit_test(same_seed_same_bytes),
           cmocka_unit_test(sizes_are_free), cmocka_unit_test(frames_move_and_keep_their_truth),
-          cmocka_unit_test(artefacts_are_left_out), cmocka_unit_test(real_volumes_are_their_own_truth),
+          cmocka_unit_test(real_volumes_are_their_own_truth),
           cmocka_unit_test(nine_cases_are_exact_and_frozen))

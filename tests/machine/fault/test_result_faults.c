@@ -44,17 +44,6 @@ static void files_of_two_types_make_no_sequence(void **state) {
                    "second.mha: ElementType is MET_UCHAR, but ");
 }
 
-static void an_orbit_has_no_one_place(void **state) {
-    const result_fixture *f = *state;
-    const char *const paths[] = {f->source};
-    sv_param_value values[2];
-    hs_loop_options options = result_options(values);
-    options.orbit = 30;
-    hs_source *source;
-    hs_loop *loop = result_loop(f, paths, 1, NULL, &options, &source);
-    expect_refused(loop, source, HS_RESULT_MASK, HS_ERR_USAGE, "an orbit of 30 degrees");
-}
-
 /* Between reading and writing somebody else writes the file. */
 static void a_file_that_changed_is_noticed(void **state) {
     const result_fixture *f = *state;
@@ -103,5 +92,5 @@ static void words_name_results(void **state) {
 }
 
 UNIT_MAIN(result_set_up, result_tear_down, cmocka_unit_test(files_of_two_types_make_no_sequence),
-          cmocka_unit_test(an_orbit_has_no_one_place), cmocka_unit_test(a_file_that_changed_is_noticed),
+          cmocka_unit_test(a_file_that_changed_is_noticed),
           cmocka_unit_test(a_failed_plugin_cuts_nothing_away), cmocka_unit_test(words_name_results))
