@@ -127,12 +127,11 @@ static void fit_plugin(hs_loop *loop, const hs_plugin *plugin, hs_error *refused
     hs_handover way = {o->carrier, o->own_queue};
     if (plugin) {
         const sv_descriptor *d = plugin->instance->descriptor;
-        if (hs_plugin_choose_handover(d, plugin->path, way, o->carrier_fixed, &way, refused))
-            (void)hs_plugin_choose_fan(d, plugin->path, o->fan, &o->fan, refused);
+        (void)hs_plugin_choose_handover(d, plugin->path, way, o->carrier_fixed, &way, refused);
         o->carrier = way.carrier;
         o->own_queue = way.own_queue;
     }
-    if (o->fan == HS_FAN_BEST) o->fan = HS_FAN_PADDING;
+    o->fan = plugin ? hs_plugin_fan(plugin->instance->descriptor) : HS_FAN_RANGES;
 }
 
 /* The slabs as the plugin takes them, and the plugin. `gaps`: hs_slabs_create. */
@@ -186,7 +185,6 @@ bool hs_loop_reactivate(hs_loop *loop, const hs_plugin *plugin, const hs_loop_op
     loop->options.carrier = asked->carrier;
     loop->options.own_queue = asked->own_queue;
     loop->options.carrier_fixed = asked->carrier_fixed;
-    loop->options.fan = asked->fan;
     loop->options.in_flow = asked->in_flow;
     loop->options.values = asked->values;
     loop->options.value_count = asked->value_count;

@@ -42,7 +42,7 @@ typedef struct {
     uint32_t carrier;     /* SV_CARRIER_* */
     bool own_queue;       /* the plugin picks its own device and queue (SV_CARRIER_HOST only) */
     bool carrier_fixed; /* a plugin that takes slabs in another way only is an error; else they go that way */
-    hs_fan fan;         /* how the plugin is told what was scanned */
+    hs_fan fan;         /* how the plugin is told what was scanned: the loop fills it in */
     bool live;          /* uploads every frame's volume anew, as a scan does; always so for several volumes */
     /* No stage waits for the one before it: only the whole frame's time means something. Not where the plugin
      * has a queue of its own: it must find its slabs. */

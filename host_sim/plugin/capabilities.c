@@ -32,22 +32,14 @@ bool hs_plugin_choose_handover(const sv_descriptor *d, const char *path, hs_hand
         d->carriers, d->voxel_types, d->queues);
 }
 
-bool hs_plugin_choose_fan(const sv_descriptor *d, const char *path, hs_fan wanted, hs_fan *out,
-                          hs_error *err) {
-    const bool ranges = d->features & SV_FEATURE_SCANNED;
-    if (wanted == HS_FAN_RANGES && !ranges)
-        return hs_fail(
-            err, HS_ERR_PLUGIN,
-            "%s: takes no scanned ranges: its descriptor has features 0x%x, without SV_FEATURE_SCANNED", path,
-            d->features);
-    *out = wanted;
-    if (wanted == HS_FAN_BEST)
-        *out = ranges ? HS_FAN_RANGES : d->features & SV_FEATURE_PADDING ? HS_FAN_PADDING : HS_FAN_NOTHING;
-    return true;
+hs_fan hs_plugin_fan(const sv_descriptor *d) {
+    return d->features & SV_FEATURE_SCANNED   ? HS_FAN_RANGES
+           : d->features & SV_FEATURE_PADDING ? HS_FAN_PADDING
+                                              : HS_FAN_NOTHING;
 }
 
 const char *hs_fan_name(hs_fan fan) {
-    static const char *const names[] = {"best", "ranges", "padding", "nothing"};
+    static const char *const names[] = {"ranges", "padding", "nothing"};
     return names[fan];
 }
 

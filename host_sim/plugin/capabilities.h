@@ -30,16 +30,13 @@ bool hs_plugin_choose_handover(const sv_descriptor *descriptor, const char *path
 
 /* How a plugin is told which voxels were scanned. */
 typedef enum {
-    HS_FAN_BEST = 0, /* ranges if it takes them, else padding if it heeds that, else nothing */
-    HS_FAN_RANGES,   /* sv_frame.scanned */
-    HS_FAN_PADDING,  /* sv_format.padding_value is 0 */
-    HS_FAN_NOTHING   /* every voxel counts as scanned */
+    HS_FAN_RANGES,  /* sv_frame.scanned */
+    HS_FAN_PADDING, /* sv_format.padding_value is 0 */
+    HS_FAN_NOTHING  /* every voxel counts as scanned */
 } hs_fan;
 
-/* `wanted`, with HS_FAN_BEST resolved. HS_ERR_PLUGIN if the plugin does not take ranges that were asked
- * for. */
-bool hs_plugin_choose_fan(const sv_descriptor *descriptor, const char *path, hs_fan wanted, hs_fan *out,
-                          hs_error *err);
+/* By ranges if it takes them, else by padding if it heeds that, else by nothing. */
+hs_fan hs_plugin_fan(const sv_descriptor *descriptor);
 
 /* "ranges", "padding" or "nothing", for a person. */
 const char *hs_fan_name(hs_fan fan);

@@ -27,7 +27,7 @@ static const command commands[] = {
     {"measure", hs_cmd_measure, "quality of depthmaps that were made elsewhere, on one case, as JSON"},
     {"scenes", hs_cmd_scene, "synthetic scenes with ground truth: list, generate, export, look at"},
     {"list", hs_cmd_list, "a plugin library's plugins and parameters"},
-    {"info", hs_cmd_info, "facts and histogram of a MetaImage volume"},
+    {"info", hs_cmd_info, "facts about MetaImage and Kretz volumes"},
 };
 
 static void print_help(FILE *out) {

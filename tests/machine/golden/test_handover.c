@@ -66,18 +66,14 @@ static void slabs_go_as_the_plugin_takes_them(void **state) {
     const fixture *f = *state;
     static const struct {
         const char *plugin;
-        hs_fan wanted;
         uint32_t flags;
         int32_t padding;
-    } table[] = {{"recorder", HS_FAN_BEST, SV_FORMAT_SCANNED, SV_NO_PADDING},
-                 {"recorder", HS_FAN_PADDING, 0, 0},
-                 {"recorder", HS_FAN_NOTHING, 0, SV_NO_PADDING},
-                 {"recorder_padding", HS_FAN_BEST, 0, 0},
-                 {"recorder_plain", HS_FAN_BEST, 0, SV_NO_PADDING}};
+    } table[] = {{"recorder", SV_FORMAT_SCANNED, SV_NO_PADDING},
+                 {"recorder_padding", 0, 0},
+                 {"recorder_plain", 0, SV_NO_PADDING}};
     for (size_t n = 0; n < sizeof table / sizeof *table; n++) {
         hs_plugin *plugin = open_plugin(table[n].plugin);
         hs_loop_options o = options_with(NULL, 0);
-        o.fan = table[n].wanted;
         assert_int_equal(o.carrier, SV_CARRIER_BUFFER); /* which these plugins do not take */
         const record *seen = one_frame(f, plugin, &o, 0);
         assert_int_equal(seen->format.carrier, SV_CARRIER_HOST);
@@ -94,20 +90,16 @@ static void what_it_does_not_take_is_said(void **state) {
         const char *plugin, *part;
         uint32_t carrier;
         bool fixed;
-        hs_fan fan;
-    } table[] = {{"recorder", "takes no OpenCL image slabs of 8 bits on the host's queue", SV_CARRIER_IMAGE,
-                  true, HS_FAN_BEST},
-                 {"recorder_u16",
-                  "takes no slabs of 8 bits: its descriptor has carriers 0x2, voxel_types 0x4, queues 0x1",
-                  SV_CARRIER_BUFFER, false, HS_FAN_BEST},
-                 {"recorder_padding", "takes no scanned ranges: its descriptor has features 0x2",
-                  SV_CARRIER_BUFFER, false, HS_FAN_RANGES}};
+    } table[] = {
+        {"recorder", "takes no OpenCL image slabs of 8 bits on the host's queue", SV_CARRIER_IMAGE, true},
+        {"recorder_u16",
+         "takes no slabs of 8 bits: its descriptor has carriers 0x2, voxel_types 0x4, queues 0x1",
+         SV_CARRIER_BUFFER, false}};
     for (size_t n = 0; n < sizeof table / sizeof *table; n++) {
         hs_plugin *plugin = open_plugin(table[n].plugin);
         hs_loop_options o = options_with(NULL, 0);
         o.carrier = table[n].carrier;
         o.carrier_fixed = table[n].fixed;
-        o.fan = table[n].fan;
         hs_loop *loop = make_loop_of(f, plugin, &o);
         hs_error err = {0};
         hs_frame frame;

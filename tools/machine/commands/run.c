@@ -88,7 +88,6 @@ static int compile_plugin(int channel, void *context) {
 static bool compile_host(hs_run *run, hs_error *err) {
     hs_loop_options options = run->request.loop;
     hs_frame frame;
-    if (options.fan == HS_FAN_BEST) options.fan = HS_FAN_RANGES;
     float *ends = calloc((size_t)options.dvr.width * options.dvr.height + 1u, sizeof *ends);
     hs_loop *loop = hs_loop_create(&run->cl, &run->source, NULL, &options, err);
     const bool ok = ends && loop && hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, err) &&
