@@ -27,8 +27,8 @@ typedef struct {
  * `return hs_fail(err, HS_ERR_INPUT, "%s: DimSize is '%s', expected three numbers", path, value);` */
 bool hs_fail(hs_error *err, hs_code code, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* Zeroed memory for `count` things of `bytes` bytes each, which the caller frees. NULL: HS_ERR_MEMORY names what
- * it was for. */
+/* Zeroed memory for `count` things of `bytes` bytes each, which the caller frees. NULL: HS_ERR_MEMORY names
+ * what it was for. */
 void *hs_memory(size_t count, size_t bytes, const char *what, hs_error *err);
 
 /* clang's analyser reads one file at a time: this tells it what the comment above promises. */

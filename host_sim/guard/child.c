@@ -138,7 +138,7 @@ static void set_limit(__rlimit_resource_t what, rlim_t soft, rlim_t hard) {
 }
 
 /* Between fork and what comes next: calls that are safe there only. */
-static void prepare_child(pid_t parent, const hs_child_limits *limits) {
+static void prepare_child(pid_t parent) {
     static const int reset[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL};
     sigset_t none;
     (void)setpgid(0, 0);
@@ -148,8 +148,6 @@ static void prepare_child(pid_t parent, const hs_child_limits *limits) {
     (void)sigemptyset(&none);
     (void)sigprocmask(SIG_SETMASK, &none, NULL);
     set_limit(RLIMIT_CORE, 0, 0);
-    /* The hard limit is for code that ignores SIGXCPU. */
-    if (limits->cpu_s) set_limit(RLIMIT_CPU, limits->cpu_s, limits->cpu_s + 1u);
     const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
     if (nothing >= 0) (void)dup2(nothing, STDIN_FILENO);
 }
@@ -198,7 +196,7 @@ bool hs_child_fork(hs_child *child, const hs_child_limits *limits, int (*work)(i
     if (!open_channel(ends, err)) return false;
     const pid_t parent = getpid(), pid = fork_child();
     if (pid == 0) {
-        prepare_child(parent, limits);
+        prepare_child(parent);
         (void)close(ends[0]);
         _exit(work(ends[1], context));
     }
@@ -230,7 +228,7 @@ bool hs_child_exec(hs_child *child, const hs_child_limits *limits, const char *p
     if (ok && (ok = open_channel(ends, err))) {
         const pid_t parent = getpid(), pid = fork_child();
         if (pid == 0) {
-            prepare_child(parent, limits);
+            prepare_child(parent);
             become(program, argv, ends[1], output[1], passed, passed_count, report[1]);
         }
         ok = adopt(child, pid, ends, output[0], limits, err);
@@ -388,8 +386,6 @@ void hs_child_tell(const hs_child_end *end, char *out, size_t bytes) {
         name = sigabbrev_np(end->number);
         if (end->number == SIGABRT)
             (void)snprintf(out, bytes, "aborted");
-        else if (end->number == SIGXCPU)
-            (void)snprintf(out, bytes, "ran out of processor time");
         else if (name)
             (void)snprintf(out, bytes, "crashed: SIG%s", name);
         else

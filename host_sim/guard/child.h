@@ -20,7 +20,6 @@
 
 /* What a child may take; 0 is no limit. */
 typedef struct {
-    uint32_t cpu_s;        /* seconds of CPU time, all threads together */
     uint64_t memory_bytes; /* memory of its own that it has touched (shared mappings do not count) */
     uint64_t said_bytes;   /* of its output that are shown until hs_child_dropped; with hs_child_exec only */
 } hs_child_limits;

@@ -152,7 +152,6 @@ static bool create_clipper(hs_loop *loop, const hs_plugin *plugin, bool gaps, hs
         .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
         .values = o->values,
         .value_count = o->value_count};
-    if (guarded || o->own_queue) loop->options.in_flow = false;
     void *memory = NULL;
     hs_guarded_route(plugin, (hs_handover){o->carrier, o->own_queue});
     if (guarded && !(memory = hs_guarded_memory(plugin, hs_slabs_bytes(&layout), err))) return false;
@@ -185,7 +184,6 @@ bool hs_loop_reactivate(hs_loop *loop, const hs_plugin *plugin, const hs_loop_op
     loop->options.carrier = asked->carrier;
     loop->options.own_queue = asked->own_queue;
     loop->options.carrier_fixed = asked->carrier_fixed;
-    loop->options.in_flow = asked->in_flow;
     loop->options.values = asked->values;
     loop->options.value_count = asked->value_count;
     return create_clipper(loop, plugin, hs_source_shape(loop->source)->beams != NULL, err);
@@ -283,11 +281,6 @@ static bool wait_for(const hs_loop *loop, const char *stage, hs_error *err) {
     return hs_cl_check(clFinish(loop->cl->queue), stage, err);
 }
 
-/* Between stages: only for their times. */
-static bool stage_ends(const hs_loop *loop, const char *stage, hs_error *err) {
-    return loop->options.in_flow || wait_for(loop, stage, err);
-}
-
 const hs_start_depths *hs_loop_start(const hs_loop *loop, uint32_t index, const hs_frame *frame,
                                      hs_camera *window, hs_start_depths *out) {
     float share;
@@ -373,10 +366,10 @@ bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *
     hs_camera camera;
     const double start = hs_now();
     hs_loop_camera(loop, index, &camera);
-    if (!hs_loop_bring(loop, index, err) || !stage_ends(loop, "clFinish (upload)", err)) return false;
+    if (!hs_loop_bring(loop, index, err) || !wait_for(loop, "clFinish (upload)", err)) return false;
     const double uploaded = hs_now();
     if (setting != HS_SETTING_DVR && (!hs_slabs_convert(loop->slabs, loop->volume, &camera, err) ||
-                                      !stage_ends(loop, "clFinish (scan conversion)", err)))
+                                      !wait_for(loop, "clFinish (scan conversion)", err)))
         return false;
     const double converted = hs_now();
     if (setting == HS_SETTING_SMARTVIS && !hs_loop_ask(loop, index, frame, err)) return false;

@@ -44,9 +44,6 @@ typedef struct {
     bool carrier_fixed; /* a plugin that takes slabs in another way only is an error; else they go that way */
     hs_fan fan;         /* how the plugin is told what was scanned: the loop fills it in */
     bool live;          /* uploads every frame's volume anew, as a scan does; always so for several volumes */
-    /* No stage waits for the one before it: only the whole frame's time means something. Not where the plugin
-     * has a queue of its own: it must find its slabs. */
-    bool in_flow;
     /* The renderer, the picture's size included. With a ghost (width and doubt above 0) the plugin's
      * confidence widens it, if the plugin has any. */
     hs_dvr_settings dvr;

@@ -82,7 +82,6 @@ typedef struct {
 struct hs_sequence {
     hs_source_files how;
     part *parts;
-    uint32_t part_count;
     hs_source_origin *origins;
     uint32_t count, left_out;
     hs_volume shape; /* of all volumes; without voxels */
@@ -206,7 +205,6 @@ hs_sequence *hs_sequence_open(const char *const *paths, uint32_t count, const hs
     if (ok) s->how = *how;
     for (uint32_t i = 0; ok && i < count; i++) {
         s->parts[i].path = paths[i];
-        s->part_count++;
         ok = add_file(s, &s->parts[i], err);
     }
     if (ok) return s;
