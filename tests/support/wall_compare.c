@@ -5,6 +5,17 @@
 
 #include <math.h>
 
+/* Knob positions: that of the frame, then those that it is moved to. */
+enum { WALL_PLACES = 4 };
+
+/* The definition's maps, NULL at one position; outcome and facts are the same at all of them. */
+typedef struct {
+    float *depth[WALL_PLACES], *confidence;
+    bool clip_doubtful;
+    sv_wall_outcome outcome;
+    sv_wall_facts facts;
+} wall_expected;
+
 /* Few, because the definitions take most of the time, and one more position runs no other code. Of the second
  * and the last, volumes take turns. */
 static const double places[WALL_PLACES] = {0.5, 0.0, 0.5, 1.5};
@@ -13,7 +24,8 @@ static bool clips(const wall_expected *e) {
     return e->outcome == SV_WALL_SURFACE || (e->outcome == SV_WALL_DOUBTFUL && e->clip_doubtful);
 }
 
-wall_expected wall_expect(const wall_shape *s, const uint8_t *volume, bool clip_doubtful) {
+/* By the definition. */
+static wall_expected wall_expect(const wall_shape *s, const uint8_t *volume, bool clip_doubtful) {
     const size_t count = (size_t)s->width * s->height;
     const sv_ref_volume v = {volume,    s->width,   s->height,
                              s->slices, s->padding, (const sv_ref_range *)s->scanned};

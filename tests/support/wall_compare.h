@@ -15,20 +15,6 @@ typedef struct {
     const sv_beams *beams; /* NULL: not told */
 } wall_shape;
 
-/* Knob positions: that of the frame, then those that it is moved to. */
-enum { WALL_PLACES = 4 };
-
-/* The definition's maps, NULL at one position; outcome and facts are the same at all of them. */
-typedef struct {
-    float *depth[WALL_PLACES], *confidence;
-    bool clip_doubtful;
-    sv_wall_outcome outcome;
-    sv_wall_facts facts;
-} wall_expected;
-
-/* By the definition. */
-wall_expected wall_expect(const wall_shape *s, const uint8_t *volume, bool clip_doubtful);
-
 /* Compares both layouts, and a doubtful surface with and without clipping there. Returns true if there is a
  * surface; `unasked`: the outcome without clipping there. */
 bool wall_compare_outcome(rig *r, const wall_shape *s, const uint8_t *volume, const char *what,

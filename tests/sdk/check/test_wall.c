@@ -131,29 +131,6 @@ static void test_bone_at_once(void **state) {
     assert_true(wall_compare(*state, &s, volume, "bone at once"));
 }
 
-/* Unscanned voxels, and only those, hold 0, so ranges, a padding value and both give the same maps. It
- * changes the volume. */
-static void assert_ranges_are_padding(rig *r, uint8_t *volume, const sv_scanned *ranges, uint32_t width,
-                                      uint32_t height, uint32_t slices) {
-    const size_t plane = (size_t)width * height;
-    for (size_t i = 0; i < plane; i++)
-        for (uint32_t z = 0; z < slices; z++) {
-            uint8_t *v = &volume[z * plane + i];
-            *v = z >= ranges[i].first && z < ranges[i].end ? (uint8_t)(*v | 1) : 0;
-        }
-    const wall_shape told = {width, height, slices, 10, SV_NO_PADDING, {0}, ranges, NULL};
-    wall_shape both = told, padded = told;
-    both.padding = padded.padding = 0;
-    padded.scanned = NULL;
-    const wall_shape *const all[] = {&told, &both, &padded};
-    wall_expected first = wall_expect(&told, volume, false);
-    for (size_t n = 0; n < 3; n++) {
-        wall_expected e = wall_expect(all[n], volume, false);
-        assert_memory_equal(e.depth[0], first.depth[0], plane * sizeof(float));
-        assert_true(wall_compare(r, all[n], volume, "ranges or padding"));
-    }
-}
-
 /* A box that is scanned, seen from an edge: around it, before it and behind it nothing was. Rows and vectors
  * of rays have layers of their own, and some have none. */
 static void test_turned_box(void **state) {
@@ -194,7 +171,6 @@ static void test_ranges(void **state) {
         const wall_shape s = {W, H, D, 10, paddings[i], {1.0f, 1.1f, 0.9f}, ranges, NULL};
         assert_true(wall_compare(*state, &s, volume, "ranges of a fan"));
     }
-    assert_ranges_are_padding(*state, volume, ranges, W, H, D);
     memset(ranges, 0, sizeof ranges);
     const wall_shape none = {W, H, D, 10, SV_NO_PADDING, {0}, ranges, NULL};
     assert_false(wall_compare(*state, &none, volume, "nothing was scanned"));

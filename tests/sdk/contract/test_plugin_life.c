@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Lives of instances beside what sv_validate tries (frames repeated, broken off and interleaved, many
- * activations, destroyed while active): formats one after the other; without a device; forked; kernels that
- * do not build.
+ * activations, destroyed while active): formats one after the other; forked; kernels that do not build. That
+ * there may be no device: test_devices.
  */
 #include "programs/shared_programs.h"
 #include "support/fixture.h"
@@ -28,58 +28,6 @@ static void another_format_after_another(void **state) {
         fixture_frame_is_good(f);
         f->r.plugin->deactivate(f->r.plugin);
     }
-}
-
-/* ---- no device, no kernels ---- */
-
-static const char *self; /* this program's path */
-
-/* Own-queue activation in a child in which no OpenCL driver is installed. Exit code 0: refused as it
- * should be. */
-static int child_without_device(void) {
-    rig r;
-    rig_open_library(&r, NULL);
-    const sv_plugin *p = r.plugin; /* create makes no OpenCL call: it works */
-    sv_param_info info = {.size = sizeof info};
-    if (p->param_count(p) == 0 || p->param_info(p, 0, &info) != SV_OK) return 3;
-    const rig_format how = {
-        .width = 8, .height = 8, .slices = 4, .padding = SV_NO_PADDING, .own_queue = true};
-    uint8_t volume[8 * 8 * 4] = {0};
-    stage *t = rig_stage(&r, &how, volume);
-    int code = 0;
-    for (int n = 0; n < 2 && code == 0; n++) {
-        if (p->activate(p, &t->format) != SV_ERR_NO_DEVICE) code = 4;
-        const char *reason = p->last_error(p);
-        if (!strstr(reason, "no OpenCL device") || !strstr(reason, "Install a driver")) code = 5;
-        if (!strstr(reason, "OCL_ICD_VENDORS, where drivers are looked for, is '/tmp/sv_no_driver_"))
-            code = 8;
-        if (strcmp(reason, r.last_log) != 0) code = 6;
-        if (r.last_severity != SV_LOG_ERROR) code = 7;
-    }
-    if (code) (void)fprintf(stderr, "%s\n", p->last_error(p));
-    rig_close_library(&r);
-    return code;
-}
-
-/* Runs `call` of this program anew with an environment variable set, and returns its exit code. */
-static int run_child(const char *call, const char *variable, const char *value) {
-    const pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        if (setenv(variable, value, 1) == 0) (void)execl(self, self, call, (char *)NULL);
-        _exit(99);
-    }
-    int status = 0;
-    assert_int_equal(waitpid(child, &status, 0), child);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-static void no_device(void **state) {
-    char folder[] = "/tmp/sv_no_driver_XXXXXX";
-    assert_non_null(mkdtemp(folder));
-    const int code = run_child("child_without_device", "OCL_ICD_VENDORS", folder);
-    assert_int_equal(rmdir(folder), 0);
-    assert_int_equal(code, 0);
 }
 
 /* A fork's child has none of the driver's threads: every call says so, and none hangs. */
@@ -159,16 +107,6 @@ static void kernels_that_compute_wrongly(void **state) {
     }
 }
 
-int main(int argc, char **argv) {
-    self = argv[0];
-    if (argc > 1 && strcmp(argv[1], "child_without_device") == 0) return child_without_device();
-    const struct CMUnitTest tests[] = {
-        FIXTURE_TEST(another_format_after_another),
-        cmocka_unit_test(no_device),
-        FIXTURE_TEST(no_such_device),
-        FIXTURE_TEST(a_fork_is_told),
-        FIXTURE_TEST(kernels_that_do_not_build),
-        FIXTURE_TEST(kernels_that_compute_wrongly),
-    };
-    return cmocka_run_group_tests_name("life of instances", tests, NULL, NULL);
-}
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(another_format_after_another), FIXTURE_TEST(no_such_device),
+          FIXTURE_TEST(a_fork_is_told), FIXTURE_TEST(kernels_that_do_not_build),
+          FIXTURE_TEST(kernels_that_compute_wrongly))
