@@ -24,7 +24,4 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *
 sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_program *narrow,
                              const sv_program *wide, const sv_config *config, const sv_values *defaults);
 
-/* Both tests' end of a frame that came to `status`: both maps, and nothing left on the queue. */
-sv_status sv_selftest_end(sv_pipeline *p, sv_status status, const sv_result *to);
-
 #endif
