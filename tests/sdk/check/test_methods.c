@@ -86,29 +86,6 @@ static void test_adjust(void **state) {
         for (uint32_t n = 0; n < 6; n++) check_adjust(*state, &p, method, n % 2, 1 + n / 2);
 }
 
-/* The parameter has the values of the list, by the list's names; every other one is refused. */
-static void test_values(void **state) {
-    rig *r = *state;
-    const sv_plugin *p = r->plugin;
-    surface_points points = surface_scattered(40, 33, 60, 70, 3);
-    for (int value = -1; value <= SV_METHOD_END; value++) {
-        const surface_chain chain = {.method = value};
-        const rig_format format = surface_format(r, &points, &chain);
-        const char *name = value < 0 ? NULL : surface_name(value);
-        char text[64], wrong[32];
-        (void)snprintf(wrong, sizeof wrong, "method is %d, ", value);
-        assert_int_equal(p->param_text(p, format.fixed[0].id, value, text, sizeof text),
-                         name ? SV_OK : SV_ERR_PARAM_RANGE);
-        assert_string_equal(text, name ? name : "");
-        assert_int_equal(p->activate(p, &rig_stage(r, &format, surface_volume(&points))->format),
-                         name ? SV_OK : SV_ERR_PARAM_RANGE);
-        if (name)
-            p->deactivate(p);
-        else
-            assert_non_null(strstr(p->last_error(p), wrong));
-    }
-}
-
 /* Comes last: no method of the list went through the tests above without being held to its definition. */
 static void test_nothing_is_left(void **state) {
     uint32_t methods = 0;
@@ -120,6 +97,6 @@ static void test_nothing_is_left(void **state) {
     assert_true(methods > 0);
 }
 
-UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_values), cmocka_unit_test(test_definition),
-          cmocka_unit_test(test_volumes), cmocka_unit_test(test_patches), cmocka_unit_test(test_adjust),
+UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_definition), cmocka_unit_test(test_volumes),
+          cmocka_unit_test(test_patches), cmocka_unit_test(test_adjust),
           cmocka_unit_test(test_nothing_is_left))

@@ -211,41 +211,6 @@ static double threshold_at(double bright) {
     return square(0.35 * sqrt(FLUID) + 0.65 * sqrt(bright));
 }
 
-/* The relative level of the first layer, in the middle of the image, of a scan with muscle in its first
- * layers, and bone behind them. */
-static uint8_t relate_first_layer(uint32_t muscle) {
-    uint8_t levels[LAYERS], relative = 0;
-    uint32_t at = 0;
-    scan s = scan_make(N, N, N);
-    put(levels, &at, muscle, MUSCLE);
-    put(levels, &at, LAYERS, BONE);
-    run_layers(&s, levels, N, 0, NULL);
-    const sv_wall_volume v = {s.voxels, N, N, N, s.first, s.end, {MM, MM, 1.0}, NULL};
-    const sv_wall_settings settings = sv_wall_settings_default();
-    const sv_wall_layout l = sv_wall_layout_of(N, N, N, v.spacing_mm, &settings);
-    const sv_wall_levels known = {.two = true,
-                                  .threshold = 40,
-                                  .bright = MUSCLE * SV_WALL_LEVEL_ONE,
-                                  .dark = FLUID * SV_WALL_LEVEL_ONE};
-    sv_wall_blocks blocks;
-    assert_true(sv_wall_blocks_create(&v, &l, &blocks));
-    assert_true(sv_wall_relate_levels(&l, &known, &blocks));
-    relative = blocks.relative[(size_t)(l.rows / 2) * l.columns + l.columns / 2];
-    sv_wall_blocks_destroy(&blocks);
-    return relative;
-}
-
-/* The threshold is the one around a block: what is bright within 10 mm, five layers of 2 mm, to either side
- * counts, and the mean of all that is bright as a twentieth of the blocks there. */
-static void test_threshold_is_local(void **state) {
-    const double blocks = 4.0 * 11 * 11,
-                 window = 0.05 * blocks * 11; /* six of its 11 layers are in the scan */
-    const double bright = (5 * blocks * MUSCLE + blocks * BONE + window * MUSCLE) / (6 * blocks + window);
-    assert_true(fabs(relate_first_layer(6) - 128.0 * MUSCLE / threshold_at(MUSCLE)) <= 1.5);
-    assert_true(fabs(relate_first_layer(5) - 128.0 * MUSCLE / threshold_at(bright)) <= 1.5);
-    assert_true(relate_first_layer(6) - relate_first_layer(5) > 20);
-}
-
 /* A dim front is tissue, but no gap lies between it and the fetus: nobody knows what is in front. */
 static void test_dim_front_is_no_wall(void **state) {
     scan s = scan_make(N, N, N);
@@ -281,5 +246,5 @@ UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_confidence_of_a_doubtful_ray),
           cmocka_unit_test(test_confidence_of_a_cost), cmocka_unit_test(test_bright_fluid_is_less_sure),
           cmocka_unit_test(test_near_field_is_no_fluid), cmocka_unit_test(test_near_field_is_broad),
           cmocka_unit_test(test_skin_tells_nothing), cmocka_unit_test(test_surface_lies_in_what_is_dark),
-          cmocka_unit_test(test_threshold_is_local), cmocka_unit_test(test_dim_front_is_no_wall),
-          cmocka_unit_test(test_darkest_fifth), cmocka_unit_test(test_last_outcome_is_kept))
+          cmocka_unit_test(test_dim_front_is_no_wall), cmocka_unit_test(test_darkest_fifth),
+          cmocka_unit_test(test_last_outcome_is_kept))

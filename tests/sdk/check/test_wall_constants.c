@@ -81,16 +81,18 @@ static void a_twentieth_is_darker(void **state) {
     assert_int_equal(levels.dark, 10 * SV_WALL_LEVEL_ONE);
 }
 
-/* The middle cell sees all 264 blocks in its window, whose level is 64. A twentieth of the window's 4 * 11^3
+/* The middle cell sees the 264 blocks within 10 mm, five cells, to either side, whose level is 64; the cells
+ * behind them are brighter. A twentieth of the window's 4 * 11^3
  * blocks are 266, and they count as 144: E = (264 * 64 + 266 * 144) / 530 = 104.15. With dark fluid of 16 the
  * root of T is 0.35 * 4 + 0.65 * 10.205 = 8.033, and 128 * 64 / 8.033^2 = 126.9. */
 static void all_that_is_bright_weighs_a_twentieth(void **state) {
-    enum { CELLS = 11, LAYERS = 6, MIDDLE = 2 * (CELLS / 2) };
+    enum { CELLS = 13, LAYERS = 6, MIDDLE = 2 * (CELLS / 2) };
     const sv_wall_levels known = {
         .two = true, .threshold = 40, .bright = 144 * SV_WALL_LEVEL_ONE, .dark = 16 * SV_WALL_LEVEL_ONE};
     model m;
     make(&m, CELLS, 1, LAYERS, NULL);
-    for (uint32_t x = 0; x < CELLS; x++) fill(&m, m.blocks.levels, x, 0, LAYERS, 64);
+    for (uint32_t x = 0; x < CELLS; x++)
+        fill(&m, m.blocks.levels, x, 0, LAYERS, x == 0 || x == CELLS - 1 ? 250 : 64);
     assert_true(sv_wall_relate_levels(&m.layout, &known, &m.blocks));
     assert_near(m.blocks.relative[MIDDLE], 126.9, 1.5);
 }

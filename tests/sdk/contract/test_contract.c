@@ -52,47 +52,10 @@ static void calls_in_the_wrong_state(void **state) {
     p->destroy(NULL);
 }
 
-/* Of a newer host's struct the tail stays as it is, of a shorter one, which is refused, all but its size. A
- * frame that ends with those of 1.0, or within the rotation, says nothing of the probe. */
-static void only_known_bytes_are_touched(void **state) {
-    enum { EXTRA = 24, MARK = 0xA5 };
-    fixture *f = *state;
-    const sv_plugin *p = f->r.plugin;
-    union {
-        sv_param_info info;
-        sv_stats stats;
-        sv_frame frame;
-        unsigned char bytes[sizeof(sv_frame) + EXTRA];
-    } u;
-    for (int longer = 0; longer < 2; longer++) {
-        const sv_status status = longer ? SV_OK : SV_ERR_SIZE;
-        memset(&u, MARK, sizeof u);
-        u.info.size = (uint32_t)sizeof u.info + (longer ? EXTRA : -1u);
-        assert_int_equal(p->param_info(p, 0, &u.info), status);
-        for (size_t i = longer ? sizeof u.info : 4; i < sizeof u; i++) assert_int_equal(u.bytes[i], MARK);
-
-        memset(&u, MARK, sizeof u);
-        u.stats.size = (uint32_t)sizeof u.stats + (longer ? EXTRA : -1u);
-        sv_result result = fixture_result(f);
-        result.stats = &u.stats;
-        memset(f->out.depth, MARK, FIXTURE_RAYS * sizeof(float));
-        fixture_feed(f, FIXTURE_SLABS);
-        assert_int_equal(p->end(p, &result), status);
-        assert_int_equal(clFinish(f->r.queue), CL_SUCCESS);
-        for (size_t i = longer ? sizeof u.stats : 4; i < sizeof u; i++) assert_int_equal(u.bytes[i], MARK);
-        const unsigned char *depth = (const unsigned char *)f->out.depth;
-        for (size_t i = 0; !longer && i < FIXTURE_RAYS * sizeof(float); i++) assert_int_equal(depth[i], MARK);
-
-        memset(&u, MARK, sizeof u);
-        memset(&u.frame, 0, SV_FRAME_SIZE_1_0);
-        u.frame.size = SV_FRAME_SIZE_1_0 + (longer ? EXTRA : 0);
-        assert_int_equal(p->begin(p, &u.frame), SV_OK);
-    }
-}
-
 #define FIELD(name) offsetof(sv_format, name)
 
-/* One 32-bit field of an otherwise good format (21 x 18 x 14, slabs of 6, 4 tiles to a row). */
+/* One 32-bit field of an otherwise good format (21 x 18 x 14, slabs of 6, 4 tiles to a row): the words of
+ * each kind of refusal, and numbers that depend on each other. Every field: sv_validate's format-refusals. */
 static void format_fields(void **state) {
     static const struct {
         size_t field;
@@ -101,33 +64,19 @@ static void format_fields(void **state) {
         const char *text;
     } table[] = {
         {FIELD(width), 0, SV_ERR_FORMAT, "width is 0, expected 1 to 8192"},
-        {FIELD(width), 8193, SV_ERR_FORMAT, "width is 8193"},
         {FIELD(width), 22, SV_ERR_FORMAT, "tile_w is 21, expected 22 to 16384"},
         {FIELD(width), UINT32_MAX, SV_ERR_FORMAT, "width is 4294967295"},
-        {FIELD(height), 0, SV_ERR_FORMAT, "height is 0"},
-        {FIELD(height), 8193, SV_ERR_FORMAT, "height is 8193"},
         {FIELD(height), 19, SV_ERR_FORMAT, "tile_h is 18, expected 19 to 16384"},
-        {FIELD(slices), 0, SV_ERR_FORMAT, "slices is 0"},
-        {FIELD(slices), 8193, SV_ERR_FORMAT, "slices is 8193"},
         {FIELD(slices), 5, SV_ERR_FORMAT, "max_slab_slices is 6, expected 1 to 5"},
-        {FIELD(max_slab_slices), 0, SV_ERR_FORMAT, "max_slab_slices is 0"},
         {FIELD(max_slab_slices), 15, SV_ERR_FORMAT, "max_slab_slices is 15, expected 1 to 14"},
-        {FIELD(voxel_type), 0, SV_ERR_FORMAT, "voxel_type is 0"},
         {FIELD(voxel_type), 77, SV_ERR_FORMAT, "voxel_type is 77"},
-        {FIELD(voxel_type), SV_VOXEL_U16, SV_ERR_FORMAT, "voxel_type is 2"},
-        {FIELD(carrier), 0, SV_ERR_ARGUMENT, "carrier is 0"},
         {FIELD(carrier), 4, SV_ERR_ARGUMENT, "carrier is 4"},
         {FIELD(padding_value), (uint32_t)-2, SV_ERR_FORMAT, "padding_value is -2"},
-        {FIELD(padding_value), 256, SV_ERR_FORMAT, "padding_value is 256"},
-        {FIELD(tiles_x), 0, SV_ERR_FORMAT, "tiles_x is 0"},
         {FIELD(tiles_x), 5, SV_ERR_FORMAT, "row_pitch is 84, expected 105 to "},
         {FIELD(tiles_x), 0x80000000u, SV_ERR_FORMAT, "tiles_x is 2147483648"},
-        {FIELD(tile_w), 20, SV_ERR_FORMAT, "tile_w is 20"},
         {FIELD(tile_w), 0x40000000u, SV_ERR_FORMAT, "tile_w is 1073741824"}, /* 4 are 0 in 32 bits */
-        {FIELD(tile_h), 17, SV_ERR_FORMAT, "tile_h is 17"},
         {FIELD(tile_h), UINT32_MAX, SV_ERR_FORMAT, "tile_h is 4294967295"},
         {FIELD(row_pitch), 83, SV_ERR_FORMAT, "row_pitch is 83"},
-        {FIELD(row_pitch), 0, SV_ERR_FORMAT, "row_pitch is 0"},
         {FIELD(spacing_mm[1]), 0x3f800000u, SV_ERR_FORMAT, "spacing_mm is 0, 1, 0"},
         {FIELD(spacing_mm[2]), 0x7f800000u, SV_ERR_FORMAT, "spacing_mm is 0, 0, inf"},
     };
@@ -175,6 +124,5 @@ static void opencl_objects(void **state) {
     fixture_works(f);
 }
 
-UNIT_MAIN(NULL, NULL, FIXTURE_TEST(calls_in_the_wrong_state),
-          FIXTURE_TEST_ACTIVE(only_known_bytes_are_touched), FIXTURE_TEST(format_fields),
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(calls_in_the_wrong_state), FIXTURE_TEST(format_fields),
           FIXTURE_TEST(opencl_objects))

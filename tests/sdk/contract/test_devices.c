@@ -94,6 +94,7 @@ static void the_first_that_works(void **state) {
     takes(two, 2, NULL, 1, NULL); /* a GPU comes first */
     takes(two, 2, "gpu", 1, NULL);
     takes(two, 2, "cpu", 0, NULL);
+    takes(two, 2, "abacus", -1, "SMARTVIS_DEVICE is 'abacus', expected 'cpu' or 'gpu'");
     takes(two, 1, "gpu", -1, "no OpenCL device for SMARTVIS_DEVICE=gpu: CL_DEVICE_NOT_FOUND (-1)");
     assert_int_equal(setenv("OCL_ICD_VENDORS", "/none", 1), 0);
     takes(two, 0, NULL, -1,

@@ -2,8 +2,8 @@
 /*
  * What the example plugins compute: known volumes give known depths, the one with kernels equals the one on
  * the CPU bit for bit over layouts, carriers, padding and scanned ranges. And what author_cl.h says of
- * buffers that are too short and of kernels that do not build. What else author.h refuses, sv_validate tries
- * on both, and the tests of the plugin, which stands on it, hold its words.
+ * kernels that do not build. What else author.h refuses, sv_validate tries on both, and the tests of the
+ * plugin, which stands on it, hold its words.
  */
 #include "programs/shared_programs.h"
 #include "support/rig.h"
@@ -212,39 +212,6 @@ static void refused(const rig *r, sv_status status, sv_status expected, const ch
                  r->last_log, text);
 }
 
-static void buffers_that_end_too_early(void **state) {
-    examples *e = *state;
-    const rig *r = &e->kernels;
-    const sv_plugin *p = r->plugin;
-    rig_format f = plain();
-    f.own_queue = false;
-    f.carrier = SV_CARRIER_BUFFER;
-    uint8_t *volume = layers(6, 14);
-    stage *t = rig_stage(r, &f, volume);
-    const sv_frame frame = {.size = sizeof frame};
-    sv_result result = {.size = sizeof result, .depth_object = rig_buffer(r, RAYS * 4), .depth_offset = 4};
-    assert_int_equal(p->activate(p, &t->format), SV_OK);
-    sv_slab slab = stage_slab(t, 0);
-    slab.bytes++;
-    assert_int_equal(p->begin(p, &frame), SV_OK);
-    refused(r, p->slab(p, &slab), SV_ERR_SLAB_SHAPE, "are needed from ");
-    for (int n = 0; n < 2; n++) {
-        assert_int_equal(p->begin(p, &frame), SV_OK);
-        for (uint32_t i = 0; i < t->slab_count; i++) {
-            slab = stage_slab(t, i);
-            assert_int_equal(p->slab(p, &slab), SV_OK);
-        }
-        const sv_status status = p->end(p, &result);
-        if (n == 0)
-            refused(r, status, SV_ERR_ARGUMENT, "depth_object has 988 bytes, and 988 are needed from 4 on");
-        else
-            assert_int_equal(status, SV_OK);
-        result.depth_offset = 0;
-    }
-    assert_int_equal(clFinish(r->queue), CL_SUCCESS);
-    p->deactivate(p);
-}
-
 /* A build error names file and line of the kernel, in the reason and in the log, which gets a line at a time
  * (support/rig.c holds that). */
 static void build_errors_name_lines(void **state) {
@@ -266,5 +233,4 @@ static void build_errors_name_lines(void **state) {
 UNIT_MAIN(open_examples, close_examples, cmocka_unit_test(depth_follows_q),
           cmocka_unit_test(outliers_and_holes), cmocka_unit_test(a_part_without_surface),
           cmocka_unit_test(gap_in_millimetres), cmocka_unit_test(only_what_was_scanned),
-          cmocka_unit_test(kernels_equal_the_cpu), cmocka_unit_test(buffers_that_end_too_early),
-          cmocka_unit_test(build_errors_name_lines))
+          cmocka_unit_test(kernels_equal_the_cpu), cmocka_unit_test(build_errors_name_lines))

@@ -208,6 +208,7 @@ static void the_largest_format(void **state) {
     assert_int_equal(spy_count(SPY_CREATE) + spy_count(SPY_ENQUEUE) + spy_count(SPY_BUILD), 0);
 }
 
+/* In words; every other way to get it wrong is test_layer_careless's. */
 static void what_cannot_be_is_refused(void **state) {
     rig *r = *state;
     const sv_plugin *p = r->plugin;
@@ -220,21 +221,10 @@ static void what_cannot_be_is_refused(void **state) {
     const sv_param_value unknown = {.id = 999}, fixed = {rig_param(r, "method"), 0, 0};
     assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_OK);
     assert_string_equal(p->last_error(p), "");
-    assert_int_equal(ext->of(p, NULL, NULL, 0, &device, &needs), SV_ERR_ARGUMENT);
-    assert_int_equal(ext->of(p, &format, NULL, 1, &device, &needs), SV_ERR_ARGUMENT);
     assert_int_equal(ext->of(p, &format, NULL, 0, NULL, &needs), SV_ERR_ARGUMENT);
     assert_string_equal(p->last_error(p), "needs: device is NULL");
-    assert_int_equal(ext->of(p, &format, NULL, 0, &device, NULL), SV_ERR_ARGUMENT);
     assert_int_equal(ext->of(p, &format, &unknown, 1, &device, &needs), SV_ERR_PARAM_ID);
     assert_int_equal(ext->of(p, &format, &fixed, 1, &device, &needs), SV_ERR_PARAM_FIXED);
-    needs.size--;
-    assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_SIZE);
-    needs.size++;
-    device.size--;
-    assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_SIZE);
-    device.size++;
-    device.flags = 8;
-    assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_ARGUMENT);
     device.flags = device.compute_units = 0;
     assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_ARGUMENT);
     assert_string_equal(p->last_error(p),

@@ -60,16 +60,6 @@ static void a_fork_is_told(void **state) {
     }
 }
 
-static void no_such_device(void **state) {
-    fixture *f = *state;
-    fixture_change(f, (rig_format){.own_queue = true});
-    assert_int_equal(setenv("SMARTVIS_DEVICE", "abacus", 1), 0);
-    fixture_refused(f, fixture_activate(f), SV_ERR_NO_DEVICE,
-                    "SMARTVIS_DEVICE is 'abacus', expected 'cpu' or 'gpu'");
-    assert_int_equal(unsetenv("SMARTVIS_DEVICE"), 0);
-    fixture_works(f);
-}
-
 /* activate while the kernels are compiled with one more option. */
 static sv_status activate_with(fixture *f, const char *option) {
     shared_programs_options(option);
@@ -107,6 +97,5 @@ static void kernels_that_compute_wrongly(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, FIXTURE_TEST(another_format_after_another), FIXTURE_TEST(no_such_device),
-          FIXTURE_TEST(a_fork_is_told), FIXTURE_TEST(kernels_that_do_not_build),
-          FIXTURE_TEST(kernels_that_compute_wrongly))
+UNIT_MAIN(NULL, NULL, FIXTURE_TEST(another_format_after_another), FIXTURE_TEST(a_fork_is_told),
+          FIXTURE_TEST(kernels_that_do_not_build), FIXTURE_TEST(kernels_that_compute_wrongly))

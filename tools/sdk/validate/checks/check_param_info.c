@@ -27,30 +27,17 @@ static table *read_table(v_run *run) {
     return &t;
 }
 
-void check_param_ids(v_run *run) {
-    table *t = read_table(run);
-    judge_param_ids(&t->to, &t->all, t->told);
-}
-
-void check_param_strings(v_run *run) {
-    table *t = read_table(run);
-    judge_param_strings(&t->to, &t->all);
-}
-
-void check_param_ranges(v_run *run) {
-    table *t = read_table(run);
-    judge_param_ranges(&t->to, &t->all);
-}
-
-void check_param_dependencies(v_run *run) {
-    table *t = read_table(run);
-    judge_param_dependencies(&t->to, &t->all);
-}
-
-void check_param_flags(v_run *run) {
-    table *t = read_table(run);
-    judge_param_flags(&t->to, &t->all, t->s->descriptor);
-}
+/* A check that is a judge of the whole table. */
+#define JUDGED(name, ...)                                                                                    \
+    void check_##name(v_run *run) {                                                                          \
+        const table *t = read_table(run);                                                                    \
+        judge_##name(&t->to, &t->all __VA_ARGS__);                                                           \
+    }
+JUDGED(param_ids, , t->told)
+JUDGED(param_strings, )
+JUDGED(param_ranges, )
+JUDGED(param_dependencies, )
+JUDGED(param_flags, , t->s->descriptor)
 
 /* param_info of a struct of another size: the size as of 1.0 is needed, and nothing behind it is written. */
 static void try_sizes(v_subject *s) {
@@ -68,9 +55,10 @@ static void try_sizes(v_subject *s) {
                  sizes[i], v_status(status));
     }
     memset(&room, 0x5a, sizeof room);
-    room.info.size = sizeof room.info;
+    room.info.size = sizeof room; /* of a later minor */
     v_where(s->run, "param_info");
-    (void)s->plugin->param_info(s->plugin, 0, &room.info);
+    const sv_status status = s->plugin->param_info(s->plugin, 0, &room.info);
+    V_EXPECT(s->run, status == SV_OK, "param_info into %zu bytes: %s", sizeof room, v_status(status));
     for (size_t i = 0; i < sizeof room.behind; i++)
         V_EXPECT(s->run, room.behind[i] == 0x5a, "param_info writes behind the %u bytes of its struct",
                  (unsigned)sizeof room.info);
