@@ -6,7 +6,6 @@ from __future__ import annotations
 import struct
 import tempfile
 import webbrowser
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -56,19 +55,6 @@ class Picture:
                 file.write(self.png)
             if not webbrowser.open(Path(file.name).as_uri()):
                 print(f"nothing here opens pictures; it is {file.name}")
-
-
-def encode(rgb: NDArray[np.uint8]) -> bytes:
-    """An array [y, x, rgb] as PNG."""
-
-    def chunk(name: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-
-    height, width, _ = rgb.shape
-    rows = np.concatenate([np.zeros((height, 1), np.uint8), rgb.reshape(height, -1)], axis=1)
-    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    parts = chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows.tobytes(), 9)) + chunk(b"IEND", b"")
-    return b"\x89PNG\r\n\x1a\n" + parts
 
 
 def render(

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from . import _images, _picture
+from . import _images
 from ._clip import ClipperCache, clip
 from ._errors import FileError, PluginError, SmartVisError
-from ._files import Source, stem, whole, write_image, write_ply
+from ._files import Source, stem, write_image, write_ply
 from ._plugin import Plugin, load
 from ._products import depth_image, mesh, quick_look, small_look
 from ._result import Result
@@ -42,19 +42,10 @@ class Settings:
         """The plugin that clips."""
         return load(self.plugin)
 
-    def clip(self, image: Any, cache: ClipperCache | None = None) -> Result:
-        """Clips an image."""
-        result: Result = clip(
-            image,
-            view=self.view,
-            scanned=self.scanned,
-            window=self.window,
-            probe=self.probe,
-            plugin=self.load(),
-            cache=cache,
-            **self.parameters,
-        )
-        return result
+    def clip(self, volume: Any, cache: ClipperCache | None = None, spacing: Any = None) -> Result:
+        """Clips an image, or an array of this spacing."""
+        how: dict[str, Any] = {"view": self.view, "scanned": self.scanned, "window": self.window, "probe": self.probe}
+        return clip(volume, spacing, plugin=self.load(), cache=cache, **how, **self.parameters)
 
 
 @dataclass
@@ -110,20 +101,17 @@ def clip_one(
         result = settings.clip(image, cache)
         row.clip_ms = 1e3 * (time.perf_counter() - start)
         _describe(row, result)
-    except PluginError as error:
-        row.state, row.reason = "plugin", str(error)
-        return row
     except MemoryError:
         row.state, row.reason = "input", f"{source.path}: no memory to clip it"
         return row
     except (SmartVisError, ValueError) as error:
-        row.state, row.reason = "input", str(error)
+        row.state, row.reason = "plugin" if isinstance(error, PluginError) else "input", str(error)
         return row
     try:
         start = time.perf_counter()
         prefix = out / name_of(source, frame)
-        row.files = " ".join(p.name for p in _write(image, result, settings, prefix))
-        row.picture = _write_small(image, result, settings, prefix).name if small else ""
+        row.files = " ".join(_write(image, result, settings, prefix, what).name for what in settings.products)
+        row.picture = _write(image, result, settings, prefix, "small").name if small else ""
         row.write_ms = 1e3 * (time.perf_counter() - start)
     except MemoryError:
         row.state, row.reason = "output", f"{source.path}: no memory to write its results"
@@ -143,27 +131,14 @@ def _describe(row: Row, result: Result) -> None:
     row.depth_mm = float(result.depth_mm[clips].mean()) if clips.any() else 0.0
 
 
-def _write_small(image: Any, result: Result, settings: Settings, prefix: Path) -> Path:
-    look = small_look(to_uint8(_images.array(image), settings.window), result)
-    return whole(prefix.with_name(f"{prefix.name}_small.png"), lambda part: part.write_bytes(_picture.encode(look)))
-
-
-def _write(image: Any, result: Result, settings: Settings, prefix: Path) -> list[Path]:
-    def name(what: str, suffix: str) -> Path:
-        return prefix.with_name(f"{prefix.name}_{what}{suffix}")
-
-    written = []
-    for product in settings.products:
-        if product == "clipped":
-            written.append(write_image(name("clipped", settings.suffix), result.apply(image)))
-        elif product == "depth":
-            written.append(write_image(name("depth", settings.suffix), depth_image(image, result)))
-        elif product == "mesh":
-            written.append(
-                write_ply(name("mesh", ".ply"), *mesh(image, result, settings.level), mm=result.spacing_known)
-            )
-        elif product == "look":
-            look = quick_look(to_uint8(_images.array(image), settings.window), result)
-            picture = _images.sitk().GetImageFromArray(np.ascontiguousarray(look), isVector=True)
-            written.append(write_image(name("look", ".png"), picture))
-    return written
+def _write(image: Any, result: Result, settings: Settings, prefix: Path, product: str) -> Path:
+    suffix = {"mesh": ".ply", "look": ".png", "small": ".png"}.get(product, settings.suffix)
+    path = prefix.with_name(f"{prefix.name}_{product}{suffix}")
+    if product == "mesh":
+        return write_ply(path, *mesh(image, result, settings.level), mm=result.spacing_known)
+    if product == "clipped":
+        return write_image(path, result.apply(image))
+    if product == "depth":
+        return write_image(path, depth_image(image, result))
+    look = (small_look if product == "small" else quick_look)(to_uint8(_images.array(image), settings.window), result)
+    return write_image(path, _images.sitk().GetImageFromArray(np.ascontiguousarray(look), isVector=True))

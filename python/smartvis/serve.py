@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._clip import ClipperCache, clip
+from ._clip import ClipperCache
 from ._errors import SmartVisError
 from ._igtl import Channel, PeerGone, ProtocolError, Refused, image_message, messages, string_message
 from ._plugin import Plugin
@@ -185,7 +185,8 @@ class Session:
         name = f"{message.device_name[:_LONGEST_NAME]}_set"
         try:
             pairs = dict(word.split("=", 1) for word in message.string.split())
-            values = {k: v if v in _choices(self._plugin, k) else float(v) for k, v in pairs.items()}
+            known = self._plugin.parameters
+            values = {k: v if k in known and v in known[k].choices else float(v) for k, v in pairs.items()}
             self._plugin.check(values)
         except ValueError as error:
             return string_message(name, f"ERROR {error}")
@@ -195,9 +196,10 @@ class Session:
     def _clip(self, message: Any) -> list[Any]:
         name = message.device_name[:_LONGEST_NAME]
         try:
-            volume = _native(message.image)
-            spacing = np.linalg.norm(message.ijk_to_world_matrix[:3, :3], axis=0)
-            result = self._result(volume, spacing)
+            volume = message.image.astype(message.image.dtype.newbyteorder("="), copy=False)  # as pyigtl packs it
+            lengths = np.linalg.norm(message.ijk_to_world_matrix[:3, :3], axis=0)
+            spacing = tuple(float(f"{length:.7g}") for length in lengths)  # a message has 32 bits a number
+            result = self._settings.clip(volume, self._cache, spacing)
             clipped = result.apply(volume)
             said = (result.outcome.name, result.why, result.doubt if result.doubt != result.why else "")
         except (SmartVisError, ValueError, MemoryError) as error:
@@ -208,20 +210,6 @@ class Session:
             string_message(f"{name}_outcome", " ".join(filter(None, said)), message.timestamp),
         ]
 
-    def _result(self, volume: NDArray[Any], spacing: NDArray[np.float64]) -> Result:
-        settings = self._settings
-        return clip(
-            volume,
-            tuple(float(f"{s:.7g}") for s in spacing),  # a message has 32 bits a number
-            view=settings.view,
-            scanned=settings.scanned,
-            window=settings.window,
-            probe=settings.probe,
-            plugin=self._plugin,
-            cache=self._cache,
-            **settings.parameters,
-        )
-
 
 def _ask_the_silent(peer: socket.socket) -> None:
     """A client whose machine is gone says nothing: the system asks, and after two minutes its room is free again."""
@@ -229,16 +217,6 @@ def _ask_the_silent(peer: socket.socket) -> None:
     for option, value in (("TCP_KEEPIDLE", 60), ("TCP_KEEPINTVL", 15), ("TCP_KEEPCNT", 4)):
         if hasattr(socket, option):  # not every system has them
             peer.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
-
-
-def _choices(plugin: Plugin, key: str) -> tuple[str, ...]:
-    known = plugin.parameters
-    return known[key].choices if key in known else ()
-
-
-def _native(image: NDArray[Any]) -> NDArray[Any]:
-    """In this machine's byte order, as pyigtl packs it."""
-    return image.astype(image.dtype.newbyteorder("="), copy=False)
 
 
 def _front(matrix: NDArray[np.float64], result: Result) -> NDArray[np.float64]:

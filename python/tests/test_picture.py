@@ -10,7 +10,7 @@ import SimpleITK as sitk
 from conftest import host_sim
 
 import smartvis
-from smartvis import HostError, _picture
+from smartvis import HostError
 
 
 def pixels(png: bytes, folder) -> np.ndarray:
@@ -73,11 +73,6 @@ def test_what_cannot_be_drawn_is_told(d01: smartvis.Scene, monkeypatch) -> None:
     monkeypatch.setenv("SMARTVIS_HOST_SIM", "/nowhere/host_sim")
     with pytest.raises(HostError, match="SMARTVIS_HOST_SIM=/nowhere/host_sim.*smartvis.quick_look"):
         result.picture()
-
-
-def test_the_own_encoder_writes_what_others_read(tmp_path) -> None:
-    rgb = np.random.default_rng(3).integers(0, 256, (17, 31, 3), np.uint8)
-    assert np.array_equal(pixels(_picture.encode(rgb), tmp_path), rgb)
 
 
 def test_a_result_is_one_line(volume: np.ndarray) -> None:
