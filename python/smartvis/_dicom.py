@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import FileError, MissingExtraError
+from ._errors import FileError, extra_module
 
 _UNEVEN = 0.05  # of the distance between slices
 _CINE = ("1.2.840.10008.5.1.4.1.1.3", "1.2.840.10008.5.1.4.1.1.3.1")  # classes of ultrasound over time
@@ -66,10 +66,7 @@ def volumes(files: Sequence[Path], where: Path, whole_file: bool = False) -> lis
 
 
 def _frames(path: Path, whole_file: bool) -> list[tuple[Any, Frame]]:
-    try:
-        import pydicom
-    except ImportError:
-        raise MissingExtraError("pydicom", "files", "DICOM") from None
+    pydicom = extra_module("pydicom", "pydicom", "files", "DICOM")
     try:
         data = pydicom.dcmread(path, stop_before_pixels=True)
         if "Rows" not in data or "Columns" not in data:
@@ -175,30 +172,25 @@ def _divide(frames: list[Frame], number: int, groups: int) -> list[Volume]:
     frames.sort(key=lambda frame: (frame.marks["order"], str(frame.path)))
     if any(frame.place is None or frame.across is None for frame in frames):
         return [_volume(frames, series, placed=False)]
-    along = {id(frame): _depth(frame) for frame in frames}
-    places = len({round(depth, 3) for depth in along.values()})
+    along = {id(frame): round(_depth(frame), 3) for frame in frames}
+    places = len(set(along.values()))
     if places == len(frames):
         return [_volume(frames, series)]
     if places == 1:
         raise FileError(
             f"{frames[0].path}: it and others, {len(frames)} pictures, lie at one place: they make up no volume"
         )
-    by: list[tuple[str, Callable[[Frame], Any]]] = [
-        (mark, lambda frame, mark=mark: frame.marks[mark])  # type: ignore[misc]
-        for mark in frames[0].marks
-        if mark != "order"
-    ]
     seen: dict[float, int] = defaultdict(int)
-    turn = {}
     for frame in frames:
-        turn[id(frame)] = seen[round(along[id(frame)], 3)]
-        seen[round(along[id(frame)], 3)] += 1
-    by.append(("turn", lambda frame: turn[id(frame)]))
-    for mark, key in by:
+        frame.marks["turn"] = seen[along[id(frame)]]
+        seen[along[id(frame)]] += 1
+    for mark in frames[0].marks:
+        if mark == "order":
+            continue
         parts: dict[Any, list[Frame]] = defaultdict(list)
         for frame in frames:
-            parts[str(key(frame))].append(frame)
-        if all(len({round(along[id(f)], 3) for f in part}) == len(part) == places for part in parts.values()):
+            parts[str(frame.marks[mark])].append(frame)
+        if all(len({along[id(f)] for f in part}) == len(part) == places for part in parts.values()):
             names = (f"{series}{', ' if series else ''}{mark} {value}" for value in parts)
             return [_volume(part, name) for name, part in zip(names, parts.values(), strict=True)]
     raise FileError(

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Exceptions. Every one carries the plugin's own reason, word for word, where there is one."""
 
+import importlib
+from typing import Any
+
 from . import _abi, _runtime
 
 _NAMES = {value: name for name, value in _abi.NUMBERS.items() if name.startswith("SV_ERR_")}
@@ -54,3 +57,11 @@ class MissingExtraError(SmartVisError, ImportError):
 
     def __init__(self, package: str, extra: str, what: str) -> None:
         super().__init__(f"{what} needs {package}: pip install 'smartvis[{extra}]'")
+
+
+def extra_module(name: str, package: str, extra: str, what: str = "this") -> Any:
+    """A module of a package that only some functions need; MissingExtraError: it is not installed."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise MissingExtraError(package, extra, what) from None

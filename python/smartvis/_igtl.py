@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import MissingExtraError, SmartVisError
+from ._errors import SmartVisError, extra_module
 
 HEADER_BYTES = 58
 _HEADER = struct.Struct("> H 12s 20s II Q Q")
@@ -39,14 +39,11 @@ class Refused(SmartVisError):
 
 def messages() -> Any:
     """pyigtl's messages."""
-    try:
-        import pyigtl.messages
-    except ImportError:
-        raise MissingExtraError("pyigtl", "serve", "smartvis serve") from None
-    if pyigtl.messages.CRC64 is not _checksum:
-        _whole_checksums.append(pyigtl.messages.CRC64)
-        pyigtl.messages.CRC64 = _checksum
-    return pyigtl.messages
+    module = extra_module("pyigtl.messages", "pyigtl", "serve", "smartvis serve")
+    if module.CRC64 is not _checksum:
+        _whole_checksums.append(module.CRC64)
+        module.CRC64 = _checksum
+    return module
 
 
 _whole_checksums: list[Any] = []  # pyigtl's own function, behind the one that follows
@@ -78,11 +75,10 @@ class Channel:
     def receive(self) -> Any | None:
         """The next message; None if it is of a type that pyigtl does not know. PeerGone at the end of the
         connection, ProtocolError for what is no message."""
-        header = bytearray(HEADER_BYTES)
         self._peer.settimeout(None)  # a client may be silent for as long as it likes between messages
-        self._fill(memoryview(header)[:1])
+        first = self._body(1, None)
         end = time.monotonic() + self._patience
-        self._fill(memoryview(header)[1:], end)
+        header = first + self._body(HEADER_BYTES - 1, end)
         fields = _HEADER.unpack(header)
         version, raw_type, _, _, _, size, checksum = fields
         kind = raw_type.rstrip(b"\0 ")
@@ -100,7 +96,7 @@ class Channel:
         body = self._body(size, end)
         if self._messages.CRC64(body) != checksum:
             raise ProtocolError(f"a {kind.decode()} message with a wrong checksum")
-        return self._unpack(bytes(header), body)
+        return self._unpack(header, body)
 
     def _unpack(self, header: bytes, body: bytes) -> Any | None:
         try:
@@ -118,7 +114,7 @@ class Channel:
             while size > 0:
                 size -= self._some(view[:size], end)
 
-    def _body(self, size: int, end: float) -> bytes:
+    def _body(self, size: int, end: float | None) -> bytes:
         """Memory grows with what has arrived, not with what a header promises."""
         body = bytearray()
         with memoryview(self._chunk) as view:
@@ -126,11 +122,6 @@ class Channel:
                 count = self._some(view[: size - len(body)], end)
                 body += view[:count]
         return bytes(body)
-
-    def _fill(self, view: memoryview, end: float | None = None) -> None:
-        got = 0
-        while got < len(view):
-            got += self._some(view[got:], end)
 
     def _some(self, view: memoryview, end: float | None) -> int:
         if end is not None:

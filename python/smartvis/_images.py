@@ -8,15 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import MissingExtraError
+from ._errors import extra_module
 
 
 def sitk() -> Any:
-    try:
-        import SimpleITK
-    except ImportError:
-        raise MissingExtraError("SimpleITK", "files", "this") from None
-    return SimpleITK
+    return extra_module("SimpleITK", "SimpleITK", "files")
 
 
 def is_image(volume: object) -> bool:

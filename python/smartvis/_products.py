@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _images
-from ._errors import MissingExtraError
+from ._errors import extra_module
 from ._result import Result, smallest
 from ._seen import Levels
 
@@ -38,11 +38,8 @@ def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArra
 
     `level`: where tissue begins; None: Otsu's threshold of the volume. Both are empty if nothing is that bright.
     """
-    try:
-        from skimage.filters import threshold_otsu
-        from skimage.measure import marching_cubes
-    except ImportError:
-        raise MissingExtraError("scikit-image", "files", "a mesh") from None
+    threshold_otsu = extra_module("skimage.filters", "scikit-image", "files", "a mesh").threshold_otsu
+    marching_cubes = extra_module("skimage.measure", "scikit-image", "files", "a mesh").marching_cubes
     if level is not None and not math.isfinite(level):
         raise ValueError(f"level={level}, expected a finite grey value")
     volume = _images.array(image)

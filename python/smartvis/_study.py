@@ -22,7 +22,7 @@ from typing import Any
 
 from . import _kretz
 from ._clip import ClipperCache
-from ._errors import FileError, HostError, MissingExtraError
+from ._errors import FileError, HostError, extra_module
 from ._files import PARTS, Source, stem, whole
 from ._files import SUFFIXES as SUFFIXES
 from ._page import write_page
@@ -37,18 +37,14 @@ _ALONE = 300  # seconds without any: on a busy machine a start takes some of the
 
 def distributed() -> Any:
     """Dask's distributed."""
-    try:
-        import distributed as module
-    except ImportError:
-        raise MissingExtraError("distributed", "batch", "this") from None
-    return module
+    return extra_module("distributed", "distributed", "batch")
 
 
 @contextlib.contextmanager
 def cluster(scheduler: str | None, workers: int, link: Callable[[str], None]) -> Iterator[Any]:
     """A client: of the scheduler at an address, or of `workers` processes of its own, a thread each. `link` is told
     where the dashboard is."""
-    dask = distributed()
+    dask, config = distributed(), extra_module("dask.config", "distributed", "batch")
     if scheduler is not None:
         try:
             client = dask.Client(scheduler, timeout="20s")
@@ -58,8 +54,11 @@ def cluster(scheduler: str | None, workers: int, link: Callable[[str], None]) ->
             link(client.dashboard_link)
             yield client
         return
+    # A task that was on two workers when they died is put aside. A worker that died has time to come back: Dask itself
+    # gives it 15 seconds, after which it ends the one that is just about to begin.
+    patience = {"scheduler.allowed-failures": 1, "deploy.lost-worker-timeout": f"{_ALONE} s"}
     with (
-        _configured(),
+        config.set({f"distributed.{key}": value for key, value in patience.items()}),
         dask.LocalCluster(
             n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0", silence_logs=50
         ) as local,
@@ -67,19 +66,6 @@ def cluster(scheduler: str | None, workers: int, link: Callable[[str], None]) ->
     ):
         link(client.dashboard_link)
         yield client
-
-
-def _configured() -> Any:
-    """A task that was on two workers when they died is put aside. A worker that died has time to come back: Dask itself
-    gives it 15 seconds, after which it ends the one that is just about to begin."""
-    import dask
-
-    return dask.config.set(
-        {"distributed.scheduler.allowed-failures": 1, "distributed.deploy.lost-worker-timeout": f"{_ALONE} s"}
-    )
-
-
-# --------------------------------------------------------------------------------------------------- batch
 
 
 def find_files(paths: Sequence[str]) -> list[Path]:
