@@ -19,31 +19,7 @@ from ._view import Camera, look
 from ._volume import to_uint8
 
 __all__ = [
-    "CASES",
-    "Camera",
-    "Clipper",
-    "ClipperCache",
-    "HostError",
-    "LoadError",
-    "Measures",
-    "MissingExtraError",
-    "Outcome",
-    "Parameter",
-    "Plugin",
-    "PluginError",
-    "Result",
-    "Scene",
-    "SmartVisError",
-    "Statistics",
-    "clip",
-    "load",
-    "look",
-    "mean_error",
-    "measure",
-    "measure_many",
-    "parameters",
-    "quick_look",
-    "rank",
-    "scene",
-    "to_uint8",
-]
+    "CASES", "Camera", "Clipper", "ClipperCache", "HostError", "LoadError", "Measures", "MissingExtraError", "Outcome",
+    "Parameter", "Plugin", "PluginError", "Result", "Scene", "SmartVisError", "Statistics", "clip", "load", "look",
+    "mean_error", "measure", "measure_many", "parameters", "quick_look", "rank", "scene", "to_uint8"
+]  # fmt: skip

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
@@ -15,7 +14,7 @@ from . import _abi
 from ._errors import PluginError
 from ._plugin import Plugin, load, log
 from ._result import Outcome, Result, Statistics
-from ._seen import words_of
+from ._seen import _at, words_of
 from ._view import Shape, look
 
 _FARTHEST = 2.0  # volumes: a depth beyond it is none (the host's rule, host_sim/loop/confidence_map.h)
@@ -232,9 +231,7 @@ class Clipper:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __del__(self) -> None:
@@ -360,11 +357,6 @@ class Clipper:
                 named = dict(zip(p.numbers, p.choices, strict=False))
                 return {key: named.get(report.try_value, f"{report.try_value:g}")}
         return {}
-
-
-def _at(array: NDArray[Any]) -> int:
-    """The address of an array's first byte. numpy's `ctypes` makes objects that only the collector frees."""
-    return int(array.__array_interface__["data"][0])
 
 
 def _value_list(values: dict[int, float]) -> Any:

@@ -83,14 +83,11 @@ def whole(path: Path, write: Callable[[Path], object]) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         write(part)
         os.replace(part, path)
-    except (RuntimeError, OSError) as error:
+    except (SmartVisError, OSError) as error:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
-        reason = (error.strerror or error) if isinstance(error, OSError) else error
-        raise OutputError(f"{path}: {reason}") from None
-    except SmartVisError:
-        with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise OutputError(f"{path}: {error.strerror or error}") from None
         raise
     return path
 

@@ -17,16 +17,7 @@ import numpy as np
 from ._errors import FileError
 
 _UNITS = {"mm": 1.0, "millimeter": 1.0, "millimetre": 1.0, "cm": 10.0, "centimeter": 10.0, "m": 1e3, "meter": 1e3}
-_UNITS |= {
-    "um": 1e-3,
-    "µm": 1e-3,
-    "\u03bcm": 1e-3,
-    "micron": 1e-3,
-    "micrometer": 1e-3,
-    "nm": 1e-6,
-    "in": 25.4,
-    "inch": 25.4,
-}
+_UNITS |= dict.fromkeys(("um", "µm", "\u03bcm", "micron", "micrometer"), 1e-3) | {"nm": 1e-6, "in": 25.4, "inch": 25.4}
 
 
 def _millimetres(path: Path, unit: str) -> float:

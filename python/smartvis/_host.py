@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from . import _runtime
@@ -51,7 +51,8 @@ def run(arguments: Sequence[str], folder: str | None = None) -> str:
         # Where its cache cannot be written, fontconfig says so first; nothing fails for that.
         lines = [line for line in ended.stderr.strip().splitlines() if not line.startswith("Fontconfig ")]
         first = lines[0] if lines else f"ended with code {ended.returncode} and said nothing"
-        raise HostError(first + _cure(ended.returncode, ended.stderr, environment), ended.returncode)
+        cure = _runtime.cure(ended.stderr, environment) if ended.returncode == _OPENCL else ""
+        raise HostError(first + cure, ended.returncode)
     return ended.stdout
 
 
@@ -60,7 +61,3 @@ def _environment(program: str) -> dict[str, str]:
     fonts = _OWN.with_name("share") / "fonts" / "fonts.conf"
     own = program == str(_OWN) and fonts.exists() and "FONTCONFIG_PATH" not in os.environ
     return ({"FONTCONFIG_FILE": str(fonts)} if own else {}) | os.environ | _runtime.chosen()
-
-
-def _cure(code: int, said: str, environment: Mapping[str, str]) -> str:
-    return _runtime.cure(said, environment) if code == _OPENCL else ""

@@ -15,7 +15,6 @@ from . import _host, _images
 
 SUFFIXES = (".vol", ".v00", ".v01", ".v02", ".v03", ".v04", ".v05")
 _MAGIC = b"KRETZFILE 1.0   "
-_MARK = 128  # "DICM" stands here in a DICOM file
 
 
 def is_one(path: Path) -> bool:
@@ -26,7 +25,7 @@ def is_one(path: Path) -> bool:
 def split(folder: Path) -> list[Path]:
     """The Kretz volumes in DICOM of a folder, and the folder itself if it holds other DICOM or nothing of that."""
     inside = sorted(folder.iterdir()) if os.access(folder, os.R_OK | os.X_OK) else []
-    dicom = [path for path in inside if path.is_file() and _begins(path, _MARK, b"DICM")]
+    dicom = [path for path in inside if path.is_file() and is_dicom(path)]
     whole = [path for path in dicom if _is_wrapped(path)]
     return whole if whole and len(whole) == len(dicom) else [*whole, folder]
 
@@ -39,8 +38,13 @@ def _begins(path: Path, at: int, mark: bytes) -> bool:
         return file.read(len(mark)) == mark
 
 
+def is_dicom(path: Path) -> bool:
+    """True for a DICOM file that can be read."""
+    return _begins(path, 128, b"DICM")
+
+
 def _is_wrapped(path: Path) -> bool:
-    if not _begins(path, _MARK, b"DICM"):
+    if not is_dicom(path):
         return False
     with open(path, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         return content.find(_MAGIC) >= 0

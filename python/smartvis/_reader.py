@@ -69,7 +69,7 @@ class Reader:
         if _kretz.is_one(self.path):
             self._kretz = (0, self._read_kretz(0))
             return
-        if _is_dicom(self.path):
+        if _kretz.is_dicom(self.path):
             self._dicom = _dicom.volumes([self.path], self.path, whole_file=True)
             self.count = len(self._dicom)
             return
@@ -178,13 +178,10 @@ class Reader:
             return self._dicom[0].in_patient
         if self._kretz is not None or self.path.suffix.lower() in (".mha", ".mhd"):
             return self._host_says_patient
-        codes = [
-            self._reader.GetMetaData(code) for code in ("qform_code", "sform_code") if self._reader.HasMetaDataKey(code)
-        ]
+        read = self._reader
+        codes = [read.GetMetaData(code) for code in ("qform_code", "sform_code") if read.HasMetaDataKey(code)]
         said = any(code.strip() != "0" for code in codes) or bool(_PATIENT.match(self._fields.get("space", "")))
-        return said and not np.allclose(
-            self._reader.GetDirection()[:9], np.eye(len(self._reader.GetSize())).ravel()[:9]
-        )
+        return said and not np.allclose(read.GetDirection()[:9], np.eye(read.GetDimension()).ravel()[:9])
 
     def read(self, number: int = 0) -> Any:
         """Volume `number` as a SimpleITK image of 3 dimensions with one value a voxel."""
@@ -195,7 +192,9 @@ class Reader:
             if self._dicom:
                 return self._read_dicom(self._dicom[number])
             if self._kretz is not None:
-                return self._read(number)
+                if self._kretz[0] != number:
+                    self._kretz = (number, self._read_kretz(number))
+                return self._kretz[1]
             with _no_warning(self.path):
                 return self._said(self._grey(self._read(number)))
         except OSError as error:
@@ -251,22 +250,13 @@ class Reader:
         return image
 
     def _read(self, number: int) -> Any:
-        sitk = _images.sitk()
-        if self._kretz is not None:
-            if self._kretz[0] != number:
-                self._kretz = (number, self._read_kretz(number))
-            return self._kretz[1]
-        if self._whole is None and self.count == 1:
-            size = list(self._reader.GetSize())
-            if len(size) == 3:
-                return self._reader.Execute()
-        if self._reader is not None and self._reader.GetDimension() == 4:
+        if self._reader.GetDimension() == 4:
             return self._read_of_four(number)
+        if self.count == 1:
+            return self._reader.Execute()
         if self._whole is None:
             self._whole = self._reader.Execute()
-        if self.count > 1:
-            return sitk.VectorIndexSelectionCast(self._whole, number)
-        return self._whole
+        return _images.sitk().VectorIndexSelectionCast(self._whole, number)
 
     def _read_of_four(self, number: int) -> Any:
         """A file that is compressed is unpacked for every read, so what is not too large is read once."""
@@ -320,11 +310,6 @@ def _stay_below(header: Path, names: Sequence[str]) -> None:
                 raise FileError(f"{header}: data file is '{name}', expected a regular file in the folder or below it")
 
 
-def _is_dicom(path: Path) -> bool:
-    with open(path, "rb") as file:
-        return file.read(132)[128:] == b"DICM"
-
-
 def _inflated(path: Path) -> int:
     """The bytes that a gzip file holds. SimpleITK does not say when they end early or are damaged."""
     count = 0
@@ -338,10 +323,10 @@ def _inflated(path: Path) -> int:
 
 
 @contextlib.contextmanager
-def _no_warning(path: Path | None) -> Iterator[None]:
-    """FileError for what ITK only warns of, or libtiff. None: ITK may warn; a series' spacing is judged here."""
+def _no_warning(path: Path) -> Iterator[None]:
+    """FileError for what ITK only warns of, or libtiff."""
     said: list[str] = []
-    is_tiff = path is not None and path.suffix.lower() in (".tif", ".tiff")
+    is_tiff = path.suffix.lower() in (".tif", ".tiff")
 
     class Logger(_images.sitk().LoggerBase):  # type: ignore[misc]
         def DisplayWarningText(self, text: str) -> None:  # noqa: N802
@@ -354,7 +339,7 @@ def _no_warning(path: Path | None) -> Iterator[None]:
             yield
     finally:
         before.SetAsGlobalITKLogger()
-    if said and path is not None:
+    if said:
         raise FileError(f"{path}: {reason(RuntimeError(said[0]))}")
 
 

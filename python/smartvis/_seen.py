@@ -206,4 +206,5 @@ def words_of(report: Any) -> str:
 
 
 def _at(array: NDArray[Any]) -> int:
+    """The address of an array's first byte. numpy's `ctypes` makes objects that only the collector frees."""
     return int(array.__array_interface__["data"][0])

@@ -12,8 +12,9 @@ import math
 import os
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NoReturn
 
 from . import __version__, _kretz
@@ -28,8 +29,8 @@ OK, FAILED, USAGE, INPUT, PLUGIN, OUTPUT = 0, 1, 2, 3, 4, 6
 CODES = {"ok": OK, "input": INPUT, "plugin": PLUGIN, "output": OUTPUT}
 
 
-def numbers(count: int) -> Any:
-    """An argparse type: `count` numbers with commas between them."""
+def numbers(count: int, expected: str = "", holds: Callable[[Any], bool] = lambda values: True) -> Any:
+    """An argparse type: `count` numbers with commas between them, of which something holds."""
 
     def parse(text: str) -> tuple[float, ...]:
         try:
@@ -38,33 +39,20 @@ def numbers(count: int) -> Any:
             values = ()
         if len(values) != count:
             raise argparse.ArgumentTypeError(f"'{text}', expected {count} numbers with commas between them")
+        if not holds(values):
+            raise argparse.ArgumentTypeError(f"'{text}', expected {expected}")
         return values
 
     return parse
 
 
-def window_of(text: str) -> tuple[float, float]:
-    """An argparse type: two finite numbers, the lower first."""
-    low, high = numbers(2)(text)
-    if not -math.inf < low < high < math.inf:
-        raise argparse.ArgumentTypeError(f"'{text}', expected two finite numbers, the lower first")
-    return low, high
-
-
-def spacing_of(text: str) -> tuple[float, ...]:
-    """An argparse type: three lengths above 0."""
-    lengths: tuple[float, ...] = numbers(3)(text)
-    if not all(1e-6 <= length <= 1e6 for length in lengths):
-        raise argparse.ArgumentTypeError(f"'{text}', expected three lengths in mm, each 1e-6 .. 1e6")
-    return lengths
+window_of = numbers(2, "two finite numbers, the lower first", lambda v: -math.inf < v[0] < v[1] < math.inf)
+spacing_of = numbers(3, "three lengths in mm, each 1e-6 .. 1e6", lambda v: all(1e-6 <= length <= 1e6 for length in v))
 
 
 def finite(text: str) -> float:
     """An argparse type: a finite number."""
-    number: float = numbers(1)(text)[0]
-    if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"'{text}', expected a finite number")
-    return number
+    return float(numbers(1, "a finite number", lambda v: math.isfinite(v[0]))(text)[0])
 
 
 def view_of(text: str) -> tuple[float, ...] | str:
@@ -130,18 +118,13 @@ def settings_of(args: argparse.Namespace) -> Settings:
             raise ValueError(f"--write: '{product}' is none of {', '.join(PRODUCTS)}")
     if "write" in args and not products:
         raise ValueError(f"--write: '{args.write}' names none of {', '.join(PRODUCTS)}")
+    of_files = {name: getattr(args, name) for name in ("level", "spacing", "mirror") if "write" in args}
     return Settings(
         parameters={k: v if known[k].choices else float(v) for k, v in values.items()},
-        view=args.view,
-        scanned=args.scanned,
-        window=args.window,
-        plugin=args.plugin,
         products=products,
         suffix=getattr(args, "format", ".nrrd"),
-        level=getattr(args, "level", None),
-        spacing=getattr(args, "spacing", None),
-        probe=args.probe,
-        mirror=getattr(args, "mirror", False),
+        **{name: getattr(args, name) for name in ("view", "scanned", "window", "plugin", "probe")},
+        **of_files,
     )
 
 
@@ -153,40 +136,15 @@ def split(pair: str) -> tuple[str, str]:
     return key, value
 
 
-class Progress:
-    """A progress bar on stderr, if that is a terminal and tqdm is there."""
-
-    def __init__(self, bar: Any = None) -> None:
-        self._bar = bar
-
-    def step(self) -> None:
-        """One more is done."""
-        if self._bar is not None:
-            self._bar.update()
-
-    def total(self, count: int) -> None:
-        """So many there are."""
-        if self._bar is not None:
-            self._bar.reset(count)
-
-    def say(self, line: str) -> None:
-        """Prints a line, and the bar below it."""
-        if self._bar is None:
-            print(line)
-        else:
-            self._bar.write(line, sys.stdout)
-
-
-@contextlib.contextmanager
-def progress(total: int | None, what: str) -> Iterator[Progress]:
-    """While something is done for so many volumes; None: not known yet."""
+def progress(total: int | None, what: str) -> contextlib.AbstractContextManager[Any]:
+    """A progress bar on stderr, if that is a terminal and tqdm is there. None: how many there are is not known yet."""
     try:
         from tqdm import tqdm
     except ImportError:
-        yield Progress()
-        return
-    with tqdm(total=total, desc=what, unit="volume", disable=None, file=sys.stderr) as bar:
-        yield Progress(bar)
+        none = SimpleNamespace(update=lambda: None, reset=lambda count: None, write=print)
+        return contextlib.nullcontext(none)
+    bar: contextlib.AbstractContextManager[Any] = tqdm(total=total, desc=what, unit="volume", disable=None)
+    return bar
 
 
 def make_folder(path: str) -> Path:
@@ -230,9 +188,9 @@ def command_clip(args: argparse.Namespace) -> int:
                     raise ValueError(f"{taken[name]} and {path} would both be written as {name}; clip one at a time")
                 row = clip_one(source, frame, settings, out)
                 if row.state == "ok" or row.reason != last:  # what is wrong with all of a sequence is said once
-                    bar.say(line_of(row, source.count > 1, source.names[frame]))
+                    bar.write(line_of(row, source.count > 1, source.names[frame]), file=sys.stdout)
                 code, written, last = code or CODES[row.state], written or row.state == "ok", row.reason
-            bar.step()
+            bar.update()
     if written:
         print(f"Files are in {out}")
     return code
@@ -279,11 +237,8 @@ def command_batch(args: argparse.Namespace) -> int:
         raise FileError(f"{' '.join(args.folder)}: there is no volume; suffixes are {' '.join(_study.SUFFIXES)}")
     check_mirror(settings, files)
     out = make_folder(args.out)
-    with (
-        _study.cluster(args.scheduler, args.workers, tell_dashboard) as client,
-        progress(None, "batch") as bar,
-    ):
-        rows = _study.batch(files, settings, out, client, bar.step, args.seconds, bar.total)
+    with _study.cluster(args.scheduler, args.workers, tell_dashboard) as client, progress(None, "batch") as bar:
+        rows = _study.batch(files, settings, out, client, bar.update, args.seconds, bar.reset)
     failed = [row for row in rows if row["state"] != "ok"]
     of_file = Counter(row["file"] for row in failed)
     for row in failed:
@@ -298,13 +253,6 @@ def command_batch(args: argparse.Namespace) -> int:
 def tell_dashboard(link: str) -> None:
     """Where to look on."""
     print(f"smartvis: dashboard at {link}", file=sys.stderr, flush=True)
-
-
-def add_cluster_options(parser: argparse.ArgumentParser) -> None:
-    """Where the work is done."""
-    count = len(os.sched_getaffinity(0))
-    parser.add_argument("--workers", type=positive, default=count, help=f"processes on this machine [{count}]")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler instead; it sees the same files")
 
 
 def positive(text: str) -> int:
@@ -364,7 +312,9 @@ def parser_of() -> argparse.ArgumentParser:
     batch = commands.add_parser("batch", help="clip every volume of a study, on many workers")
     batch.add_argument("folder", nargs="+", help="folders and files; folders with all below them")
     batch.add_argument("--out", default="out", help="folder for results, index.html and table.csv [out]")
-    add_cluster_options(batch)
+    count = len(os.sched_getaffinity(0))
+    batch.add_argument("--workers", type=positive, default=count, help=f"processes on this machine [{count}]")
+    batch.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler instead; it sees the same files")
     batch.add_argument("--seconds", type=positive, default=600, help="that a volume may take [600]")
     add_clip_options(batch)
     add_product_options(batch, "clipped,depth")
