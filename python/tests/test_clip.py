@@ -12,24 +12,6 @@ import smartvis
 from smartvis import Outcome, PluginError
 
 
-def in_the_fluid(result: smartvis.Result, seen: np.ndarray) -> float:
-    """The share of the inner rays whose surface is in the fluid of what the camera saw."""
-    inner = (slice(6, -6), slice(6, -6))
-    near = (seen == FLUID).argmax(axis=0)[inner]
-    far = seen.shape[0] - (seen[::-1] == FLUID).argmax(axis=0)[inner]
-    depth = result.depth[inner]
-    return float(np.mean((depth >= near - 0.5) & (depth <= far + 0.5)))
-
-
-@pytest.mark.parametrize("method", ["mean", "wall"])
-def test_surface_lies_in_the_fluid(volume: np.ndarray, method: str) -> None:
-    result = smartvis.clip(volume, spacing=(1, 1, 1), method=method)
-    assert result.outcome in (Outcome.OK, Outcome.PARTIAL)
-    assert in_the_fluid(result, volume) > 0.95
-    assert result.statistics.rays == 56 * 56
-    assert (result.confidence is not None) == (method != "mean")
-
-
 def test_apply_mask_and_millimetres(volume: np.ndarray) -> None:
     """On a grid of cubes of 0.8 mm, other than the volume's own."""
     result = smartvis.clip(volume, spacing=(0.8, 0.8, 0.5), lowres=56, method="wall")
@@ -141,32 +123,6 @@ def test_scanned_ranges_masks_and_auto_agree(volume: np.ndarray) -> None:
     assert np.array_equal(by_numpy.depth, by_maps.depth) and np.array_equal(by_nan.depth, by_maps.depth)
     everything = smartvis.clip(fan, (1, 1, 1), scanned="all", method="wall")
     assert not np.array_equal(everything.depth, by_maps.depth)
-
-
-def test_other_types_are_mapped_as_the_host_maps_them(volume: np.ndarray) -> None:
-    wide = volume.astype(np.int16) * 16 - 500
-    low, high = int(wide.min()), int(wide.max())
-    levels = smartvis.to_uint8(wide)
-    assert levels.min() == 0 and levels.max() == 255
-    assert np.array_equal(levels, np.floor((wide - low) * (255 / (high - low)) + 0.5))
-    assert np.array_equal(smartvis.to_uint8(wide, (low, high)), levels)
-    same = smartvis.clip(wide, (1, 1, 1), window=(-500, 255 * 16 - 500), method="wall")
-    assert np.array_equal(same.depth, smartvis.clip(volume, (1, 1, 1), method="wall").depth)
-
-
-def test_an_image_comes_back_as_an_image(volume: np.ndarray) -> None:
-    import SimpleITK as sitk
-
-    image = sitk.GetImageFromArray(volume)
-    image.SetSpacing((0.5, 0.6, 0.7))
-    image.SetOrigin((1, 2, 3))
-    image.SetDirection((0, 1, 0, -1, 0, 0, 0, 0, 1))
-    result = smartvis.clip(image, method="wall")
-    clipped = result.apply(image)
-    for what in ("GetSpacing", "GetOrigin", "GetDirection", "GetSize", "GetPixelID"):
-        assert getattr(clipped, what)() == getattr(image, what)(), what
-    assert np.array_equal(sitk.GetArrayFromImage(clipped), result.apply(volume))
-    assert np.array_equal(result.depth, smartvis.clip(volume, (0.5, 0.6, 0.7), method="wall").depth)
 
 
 @pytest.mark.parametrize(

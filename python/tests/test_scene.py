@@ -83,16 +83,6 @@ def test_a_volume_of_ones_own_has_any_shape(shape: tuple[int, int, int], spacing
     assert found["0.9"].e_neg == pytest.approx(steps * 15 / 75, abs=4) and found["0.9"].fetus_cut == 1
 
 
-def test_ranking_puts_the_better_first() -> None:
-    methods = {
-        "nothing": lambda scene: None,
-        "ours": lambda scene: scene.clip(method="wall"),
-        "truth": lambda scene: np.where(scene.label > 0, (scene.near + scene.far) / 2, 0),
-    }
-    ranked = smartvis.rank(methods, cases=["D01", "E01"], size=64)
-    assert list(ranked) == ["truth", "ours", "nothing"] and set(ranked["ours"]) == {"D01", "E01"}
-
-
 def test_what_the_host_refuses_is_an_exception(d01: smartvis.Scene, monkeypatch) -> None:
     with pytest.raises(HostError) as caught:
         smartvis.scene("Z99")
