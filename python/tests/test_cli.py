@@ -2,6 +2,7 @@
 """The command line: any file in, volume, depthmap, mesh and picture out, in the file's own geometry; exit codes."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -107,20 +108,13 @@ def test_dicom_that_is_no_whole_volume_is_refused(tmp_path: Path, image, capsys)
 
 
 def test_files_that_are_no_volumes_are_named(tmp_path: Path, image, capsys) -> None:
-    (tmp_path / "text.nrrd").write_text("no volume")
     sitk.WriteImage(sitk.GetImageFromArray(np.zeros((8, 8), np.uint8)), str(tmp_path / "flat.nrrd"))
-    (tmp_path / "empty").mkdir()
-    cut = tmp_path / "cut.mha"
-    sitk.WriteImage(image, str(cut))
-    cut.write_bytes(cut.read_bytes()[:5000])
-    pictures = tmp_path / "plus.mha"
-    sitk.WriteImage(image, str(pictures))
+    sitk.WriteImage(image, str(pictures := tmp_path / "plus.mha"))
     pictures.write_bytes(pictures.read_bytes().replace(b"NDims", b"Kinds = domain domain list\nNDims", 1))
-    for name, words in {"text.nrrd": "", "flat.nrrd": "2 dimensions", "empty": "no file in the folder", "cut.mha": "",
-                        "none.nrrd": "no such file", "plus.mha": "pictures over time"}.items():  # fmt: skip
-        assert main(["clip", str(tmp_path / name), "--out", str(tmp_path / "out")]) == 3, name
-        told = "".join(capsys.readouterr())
-        assert name in told and words in told and "Traceback" not in told
+    said = {"flat.nrrd": "2 dimensions", "none.nrrd": "no such file", "plus.mha": "pictures over time"}
+    assert main(["clip", *(str(tmp_path / name) for name in said), "--out", str(tmp_path / "out")]) == 3
+    told = "".join(capsys.readouterr())
+    assert all(re.search(f"{name}: .*{words}", told) for name, words in said.items()), told
 
 
 def test_exit_codes(tmp_path: Path, image, capsys) -> None:
@@ -214,11 +208,12 @@ def test_a_folder_that_cannot_be_written_is_6(tmp_path: Path, image, monkeypatch
         (["serve", "--port", "0", "--window", "9,1"], "two finite numbers, the lower first"),
     ],
 )
-def test_options_that_would_do_nothing_are_refused(tmp_path: Path, image, option: list[str], words: str) -> None:
+def test_options_that_would_do_nothing_are_refused(tmp_path, image, option, words: str, monkeypatch, capsys) -> None:
     sitk.WriteImage(image, str(tmp_path / "head.nrrd"))
-    command = [PROGRAM, *(part.format("head.nrrd") for part in option)]
-    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=LONG, check=False)
-    assert ended.returncode == 2 and words in ended.stderr, ended.stderr
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        sys.exit(main([part.format("head.nrrd") for part in option]))
+    assert ended.value.code == 2 and words in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 

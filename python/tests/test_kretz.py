@@ -2,7 +2,7 @@
 """Kretz volumes, bare and in DICOM, through `smartvis clip` and `host_sim info`: the host reads them, and Python has
 what it read. The DICOM files are made here."""
 
-import shutil
+import re
 import struct
 import subprocess
 from pathlib import Path
@@ -158,8 +158,7 @@ def compressed(raw: bytes) -> bytes:
     return raw[:at] + struct.pack("<HH", 0x0002, 0x1000) + raw[at + 4 :]
 
 
-@pytest.mark.parametrize("door", ["info", "clip", "batch"])
-def test_what_is_wrong_is_told_at_every_door(scans: Path, tmp_path: Path, door: str, capfd) -> None:
+def test_what_is_wrong_is_told_at_every_door(scans: Path, tmp_path: Path, capfd) -> None:
     raw = (scans / "D01_full.vol").read_bytes()
     bad = {
         "packed.dcm": (wrap(compressed(raw)), "re-save with wavelet compression off"),
@@ -169,13 +168,18 @@ def test_what_is_wrong_is_told_at_every_door(scans: Path, tmp_path: Path, door: 
         "twice.dcm": (wrap(raw) + wrap(raw)[-len(raw) - 12 :], "(7FE1,1101) holds a Kretz volume, and so does"),
         "cut.vol": (raw[:-1000], "item (D000,0001) has"),
     }
-    for name, (content, words) in bad.items():
+    files, out = [str(tmp_path / name) for name in bad], ["--out", str(tmp_path / "out")]
+    for name, (content, _) in bad.items():
         (tmp_path / name).write_bytes(content)
-        if door == "info":
-            assert subprocess.run([str(BUILD / "host_sim"), "info", str(tmp_path / name)], check=False).returncode == 3
-        else:
-            command = [door, str(tmp_path / name), "--out", str(tmp_path / door / name)]
-            assert main([*command, "--workers", "1"] if door == "batch" else command) == (1 if door == "batch" else 3)
+    host = str(BUILD / "host_sim")
+    doors = {
+        "info": lambda: {subprocess.run([host, "info", file], check=False).returncode for file in files} == {3},
+        "clip": lambda: {main(["clip", file, *out]) for file in files} == {3},
+        "batch": lambda: main(["batch", *files, *out, "--workers", "1"]) == 1,
+    }
+    for door, refused in doors.items():
+        assert refused(), door
         told = "".join(capfd.readouterr())
-        assert words in told and str(tmp_path / name) in told and "MUSTER" not in told, told
-        shutil.rmtree(tmp_path / door, ignore_errors=True)
+        for name, (_, words) in bad.items():
+            assert re.search(f"{re.escape(str(tmp_path / name))}.*{re.escape(words)}", told), (door, name, told)
+        assert "MUSTER" not in told

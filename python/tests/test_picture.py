@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Pictures of a result: those that host_sim draws of the same volume with its own run of the plugin."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 import SimpleITK as sitk
@@ -18,17 +15,17 @@ def pixels(png: bytes, folder) -> np.ndarray:
     return sitk.GetArrayFromImage(sitk.ReadImage(str(folder / "read.png"))).astype(int)
 
 
-@pytest.mark.parametrize("kind", ["result", "full", "depthmap"])
-def test_a_picture_is_the_one_of_the_host(d01: smartvis.Scene, tmp_path, kind: str) -> None:
+def test_a_picture_is_the_one_of_the_host(d01: smartvis.Scene, tmp_path) -> None:
     host_sim("scenes", "D01", "--size", 96, "--export", "--out", tmp_path)
     how = ["--lowres", 96, "--frames", 1, "--setting", "smartvis", "--picture", 256, "--out", tmp_path]
     host_sim("run", "--volume", tmp_path / "D01_full.mha", *how)
-    ours = pixels(d01.clip().picture(kind=kind, size=256).png, tmp_path)
-    theirs = pixels((tmp_path / f"{kind}.png").read_bytes(), tmp_path)
-    if kind == "depthmap":  # its title names the plugin
-        ours, theirs = ours[60:], theirs[60:]
-    assert ours.shape == theirs.shape and theirs.std() > 10
-    assert np.abs(ours - theirs).max() <= 2  # depths come by millimetres, in float32
+    for kind in ("result", "full", "depthmap"):
+        ours = pixels(d01.clip().picture(kind=kind, size=256).png, tmp_path)
+        theirs = pixels((tmp_path / f"{kind}.png").read_bytes(), tmp_path)
+        if kind == "depthmap":  # its title names the plugin
+            ours, theirs = ours[60:], theirs[60:]
+        assert ours.shape == theirs.shape and theirs.std() > 10
+        assert np.abs(ours - theirs).max() <= 2  # depths come by millimetres, in float32
 
 
 def test_a_turned_and_oblong_volume_is_drawn_where_it_was_clipped(d01: smartvis.Scene, tmp_path) -> None:
@@ -83,6 +80,4 @@ def test_a_result_is_one_line(volume: np.ndarray) -> None:
     assert "voxels deep" in repr(smartvis.clip(volume, method="wall"))
     blank = smartvis.clip(np.full((32, 32, 32), 150, np.uint8))
     assert repr(blank).startswith("<Result NO_SURFACE: 32 x 32 rays of 32 slices, 0 % clipped; Too little was scanned")
-    code = "import numpy, smartvis; print([smartvis.clip(numpy.zeros((32, 32, 32), numpy.uint8))])"
-    out = subprocess.run([sys.executable, "-P", "-c", code], check=True, capture_output=True, text=True).stdout
-    assert out.count("\n") == 1
+    assert "\n" not in repr(blank)

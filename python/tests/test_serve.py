@@ -22,6 +22,7 @@ from pyigtl.messages import CRC64, ImageMessage, MessageBase, StringMessage
 
 import smartvis
 from smartvis._work import Settings
+from smartvis.cli import main
 from smartvis.serve import Server
 
 
@@ -139,8 +140,8 @@ def test_a_client_on_libopenigtlink_is_served(port: int, tmp_path: Path) -> None
         pytest.fail("g++ and the Debian package libopenigtlink-dev are needed: scripts/packages-python.txt")
     program = tmp_path / "igtl_client"
     source = Path(__file__).with_name("igtl_client.cpp")
-    command = ["g++", "-std=c++17", "-isystem", "/usr/include/openigtlink", str(source), "-o", str(program)]
-    subprocess.run([*command, "-lOpenIGTLink", "-pthread"], check=True)
+    compiler = ["g++", "-std=c++17", "-isystem", "/usr/include/openigtlink", str(source), "-o", str(program)]
+    subprocess.run([*compiler, "-lOpenIGTLink", "-pthread"], check=True)
     out = subprocess.run([program, str(port), "48"], capture_output=True, text=True, timeout=LONG, check=False)
     assert out.returncode == 0, out.stderr
     lines = dict(line.partition(" ")[::2] for line in out.stdout.splitlines())
@@ -290,19 +291,26 @@ def test_a_client_too_many_is_turned_away() -> None:
         serves_again(number)
 
 
-def test_the_command_serves_and_ends(volume: np.ndarray) -> None:
-    command = [sys.executable, "-P", "-m", "smartvis", "serve", "--port", "0", "--method", "wall"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+@contextlib.contextmanager
+def command(*options: str):
+    """`smartvis serve` as a program: its process and its port."""
+    words = [sys.executable, "-P", "-m", "smartvis", "serve", "--port", "0", *options]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None
         line = process.stdout.readline()
         assert "listening at 127.0.0.1:" in line
-        serves(int(line.split(":")[2].split(";")[0]))
-        process.send_signal(signal.SIGINT)
-        assert process.wait(LONG) == 130
+        yield process, int(line.split(":")[2].split(";")[0])
     finally:
         process.kill()
         process.communicate()
+
+
+def test_the_command_serves_and_ends() -> None:
+    with command("--method", "wall") as (process, number):
+        serves(number)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(LONG) == 130
 
 
 def high_water(pid: int) -> int:
@@ -312,11 +320,7 @@ def high_water(pid: int) -> int:
 
 
 def test_eight_clients_that_ask_for_the_largest_stay_within_the_limit() -> None:
-    command = [sys.executable, "-P", "-m", "smartvis", "serve", "--port", "0", "--memory", "256", "--all-memory", "400"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    try:
-        assert process.stdout is not None
-        number = int(process.stdout.readline().split(":")[2].split(";")[0])
+    with command("--memory", "256", "--all-memory", "400") as (process, number):
         serves(number)
         before = high_water(process.pid)
         with contextlib.ExitStack() as peers:
@@ -330,9 +334,6 @@ def test_eight_clients_that_ask_for_the_largest_stay_within_the_limit() -> None:
         assert len(refused) >= 6 and all("MiB here, and there is room for" in text for text in refused)
         assert high_water(process.pid) < before + 400
         serves_again(number)
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def test_a_checksum_lets_other_threads_work() -> None:
@@ -354,7 +355,5 @@ def test_a_checksum_lets_other_threads_work() -> None:
     assert meanwhile > 10  # of 48 parts; one that holds the lock to its end lets the other in two or three times
 
 
-def test_a_port_that_is_taken_is_named(port: int) -> None:
-    command = [sys.executable, "-P", "-m", "smartvis", "serve", "--port", str(port)]
-    out = subprocess.run(command, capture_output=True, text=True, timeout=LONG, check=False)
-    assert out.returncode == 2 and f"--port {port}" in out.stderr
+def test_a_port_that_is_taken_is_named(port: int, capsys) -> None:
+    assert main(["serve", "--port", str(port)]) == 2 and f"--port {port}" in capsys.readouterr().err
