@@ -61,7 +61,7 @@ bool rig_is_cpu(const rig *r) {
     return (type & CL_DEVICE_TYPE_CPU) != 0;
 }
 
-void rig_open_library(rig *r, const char *path) {
+void rig_open(rig *r, const char *path) {
     char standard[1024];
     memset(r, 0, sizeof *r);
     const char *build = getenv("SV_BUILD_DIR");
@@ -74,15 +74,6 @@ void rig_open_library(rig *r, const char *path) {
         (sv_host){.size = sizeof r->host, .host_data = r, .name = "rig", .version = "1", .log = keep_log};
     if (r->entry->create(&r->host, r->entry->descriptor(0)->id, &r->plugin) != SV_OK)
         stop("create", r->last_log);
-}
-
-void rig_close_library(rig *r) {
-    r->plugin->destroy(r->plugin);
-    (void)dlclose(r->library);
-}
-
-void rig_open(rig *r, const char *path) {
-    rig_open_library(r, path);
     open_device(r);
 }
 

@@ -109,10 +109,6 @@ cl_mem rig_keep(cl_mem object);
 /* Whether the device is a CPU: it reads the host's memory in place and computes in wide vectors. */
 bool rig_is_cpu(const rig *r);
 
-/* The same without OpenCL: only the library and the instance. */
-void rig_open_library(rig *r, const char *path);
-void rig_close_library(rig *r);
-
 /* cmocka fixture: *state is a rig, a new one for each test. */
 int rig_setup(void **state);
 int rig_teardown(void **state);

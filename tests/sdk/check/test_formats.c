@@ -176,5 +176,64 @@ static void sums_of_64_bits(void **state) {
     (void)compare_print("sums of 64 bits");
 }
 
+/* ---- hard cases of spec 8 */
+
+/* The longest volume, 8192 slices: positions of 16 bits with four samples a slice, depths near 10^4 with
+ * detail. */
+static void longest_volume(void **state) {
+    enum { SLICES = 8192, RAYS = 15 };
+    int32_t ends[2 * RAYS];
+    for (int32_t i = 0; i < RAYS; i++) {
+        ends[i] = 8100 + i;
+        ends[RAYS + i] = SLICES - 1 - i % 4;
+    }
+    uint8_t *volume = rig_map_volume(ends, ends + RAYS, 5, 3, SLICES);
+    for (uint32_t n = 0; n < 6; n++) {
+        const uint32_t substeps = n < 3 ? 1 : 4;
+        rig_format f = layout(*state, 1 + n % 3, substeps, 5, 3, SLICES);
+        f.slab_slices = substeps == 1 ? SLICES : 1000;
+        f.tiles_x = 91;
+        const rig_settings s = settings_of(substeps, 23);
+        compare_run(*state, &f, volume, &s, "longest volume");
+    }
+    (void)compare_print("longest volume");
+}
+
+/* Running float32 sums and summed-area tables are off by 1 to 3 slices here: 512 x 512, k = 3, deep
+ * values. */
+static void float_sums_would_drift(void **state) {
+    enum { SIDE = 512, SLICES = 256, RAYS = SIDE * SIDE };
+    int32_t *ends = unit_memory(2 * RAYS * sizeof *ends);
+    uint32_t seed = 4;
+    for (uint32_t i = 0; i < RAYS; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        ends[i] = (int32_t)(seed >> 25);                                      /* near end 0 .. 127 */
+        ends[RAYS + i] = seed % 3 ? (int32_t)(128 + (seed >> 16) % 128) : -1; /* far end 128 .. 255 */
+    }
+    rig_format f = layout(*state, 0, 1, SIDE, SIDE, SLICES);
+    f.slab_slices = 64;
+    const rig_settings s = settings_of(1, 3);
+    uint8_t *volume = rig_map_volume(ends, ends + RAYS, SIDE, SIDE, SLICES);
+    compare_run(*state, &f, volume, &s, "float sums would drift");
+    (void)compare_print("float sums would drift");
+}
+
+/* Roundings of many passes add up: the widest map, k = 3, points at its left edge only. */
+static void many_passes(void **state) {
+    enum { WIDTH = 512, HEIGHT = 8, SLICES = 512, RAYS = WIDTH * HEIGHT };
+    int32_t *ends = unit_memory(2 * RAYS * sizeof *ends);
+    uint32_t seed = 5;
+    for (uint32_t i = 0; i < RAYS; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        ends[RAYS + i] = i % WIDTH < 3 ? (int32_t)(1 + (seed >> 8) % (SLICES - 1)) : -1;
+    }
+    const rig_format f = layout(*state, 0, 1, WIDTH, HEIGHT, SLICES);
+    const rig_settings s = settings_of(1, 3);
+    uint8_t *volume = rig_map_volume(ends, ends + RAYS, WIDTH, HEIGHT, SLICES);
+    compare_run(*state, &f, volume, &s, "many passes");
+    assert_int_equal(compare_print("many passes").max_passes, WIDTH - 3);
+}
+
 UNIT_MAIN(NULL, NULL, RIG_TEST(every_kernel), RIG_TEST(sizes), RIG_TEST(carriers_and_tiles),
-          RIG_TEST(any_split), RIG_TEST(long_slabs), RIG_TEST(sums_of_64_bits))
+          RIG_TEST(any_split), RIG_TEST(long_slabs), RIG_TEST(sums_of_64_bits), RIG_TEST(longest_volume),
+          RIG_TEST(float_sums_would_drift), RIG_TEST(many_passes))

@@ -147,7 +147,7 @@ v_rig *v_rig_open_bare(v_run *run) {
     return run->rig;
 }
 
-static void set_stage(v_rig *r, const stage_way *way) {
+void v_rig_again(v_rig *r, const stage_way *way) {
     if (r->stage.data) v_rig_drop(r);
     if (!way->own_queue && !r->device.context) v_device_open(r->s.run, &r->device);
     v_stage_make(r->s.run, &r->stage, way, &r->device);
@@ -157,11 +157,7 @@ static void set_stage(v_rig *r, const stage_way *way) {
 
 void v_rig_set(v_rig *r, const stage_way *way, v_kind kind) {
     v_volume_make(r->s.run, &r->volume, kind, way->width, way->height, way->slices);
-    set_stage(r, way);
-}
-
-void v_rig_again(v_rig *r, const stage_way *way) {
-    set_stage(r, way);
+    v_rig_again(r, way);
 }
 
 void v_rig_fill(v_rig *r, v_kind kind) {
