@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "stage/stage.h"
 
+#include "smartvis/author_checks.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -55,17 +57,6 @@ static void describe(stage *st) {
     st->format.queue = st->device.queue;
 }
 
-/* The least bytes of a slab of n slices, as the header gives them at sv_slab. */
-static uint64_t min_bytes(const sv_format *f, uint32_t n) {
-    const uint64_t r = (n - 1) / f->tiles_x;
-    const uint64_t last = (r * f->tile_h + f->height - 1) * f->row_pitch +
-                          (uint64_t)((n - 1) % f->tiles_x) * f->tile_w + f->width;
-    if (r == 0) return last;
-    const uint64_t before = ((r - 1) * f->tile_h + f->height - 1) * f->row_pitch +
-                            (uint64_t)(f->tiles_x - 1) * f->tile_w + f->width;
-    return before > last ? before : last;
-}
-
 /* ---- memory and objects */
 static size_t whole_pages(size_t bytes) {
     const size_t page = (size_t)sysconf(_SC_PAGESIZE);
@@ -84,7 +75,7 @@ static void place_slabs(stage *st) {
     for (uint32_t n = 0; n < st->slab_count; n++) {
         uint8_t *start = st->pages + n * (each + page);
         const size_t own = ((size_t)st->length[n] + f->tiles_x - 1) / f->tiles_x * f->tile_h;
-        st->bytes[n] = st->way.exact ? min_bytes(f, st->length[n]) : own * f->row_pitch;
+        st->bytes[n] = st->way.exact ? sva_slab_bytes(f, st->length[n]) : own * f->row_pitch;
         st->memory[n] = st->way.exact ? start + each - st->bytes[n] : start;
         if (st->way.exact) (void)mprotect(start + each, page, PROT_NONE);
     }
@@ -158,11 +149,9 @@ static void copy_slab(stage *st, const uint8_t *voxels, uint32_t n) {
     const sv_format *f = &st->format;
     memset(st->memory[n], st->way.hatch, st->bytes[n]);
     for (uint32_t s = 0; s < st->length[n]; s++)
-        for (uint32_t y = 0; y < f->height; y++) {
-            const size_t row = (size_t)(s / f->tiles_x) * f->tile_h + y;
-            memcpy(st->memory[n] + row * f->row_pitch + (size_t)(s % f->tiles_x) * f->tile_w,
+        for (uint32_t y = 0; y < f->height; y++)
+            memcpy(st->memory[n] + sva_byte(f, 0, y, s),
                    voxels + ((size_t)(st->first[n] + s) * f->height + y) * f->width, f->width);
-        }
 }
 
 static void upload_slab(stage *st, uint32_t n) {
