@@ -5,7 +5,7 @@
  * Two instances run frames on threads of their own, while a third thread asks both, and a fourth breaks the
  * rule and calls the first instance beside its own thread. It prints how often the layer told of that.
  */
-#include "smartvis_plugin.h"
+#include "support/plain_format.h"
 
 #include <dlfcn.h>
 #include <pthread.h>
@@ -86,18 +86,7 @@ static void count_lines(const sv_host *host, int32_t severity, const char *line)
 static const uint8_t volume[SLICES * RAYS];
 
 static void frames(const sv_plugin *p, float *depth, uint32_t count) {
-    const sv_format format = {.size = sizeof format,
-                              .width = SIDE,
-                              .height = SIDE,
-                              .slices = SLICES,
-                              .max_slab_slices = SLICES,
-                              .voxel_type = SV_VOXEL_U8,
-                              .carrier = SV_CARRIER_HOST,
-                              .padding_value = SV_NO_PADDING,
-                              .tiles_x = 1,
-                              .tile_w = SIDE,
-                              .tile_h = SIDE,
-                              .row_pitch = SIDE};
+    const sv_format format = plain_format(SIDE, SIDE, SLICES, 1);
     const sv_slab slab = {
         .size = sizeof slab, .slice_count = SLICES, .memory = volume, .bytes = sizeof volume};
     const sv_result result = {.size = sizeof result, .depth = depth};

@@ -72,8 +72,7 @@ static void try_bands(v_rig *r, uint8_t byte, bool all) {
     const sv_plugin *p = r->s.plugin;
     stage *st = &r->stage;
     v_run *run = r->s.run;
-    sv_status status = v_begin(p, st, NULL, 0);
-    for (uint32_t n = 0; n < st->slab_count && status >= 0; n++) status = v_slab(p, st, n);
+    sv_status status = v_feed(p, st, NULL, 0);
     sv_result result = stage_result(st);
     stage_poison(st, byte);
     if (!all) {

@@ -319,8 +319,7 @@ void check_foreign_objects(v_run *run) {
         (void)v_begin(p, &r->stage, NULL, 0);
         refused_foreign(r, "a slab's object", p->slab(p, &slab), SV_ERR_SLAB_SHAPE);
     }
-    (void)v_begin(p, &r->stage, NULL, 0);
-    for (uint32_t n = 0; n < r->stage.slab_count; n++) (void)v_slab(p, &r->stage, n);
+    (void)v_feed(p, &r->stage, NULL, 0);
     refused_foreign(r, "depth_object", p->end(p, &result), SV_ERR_ARGUMENT);
     (void)clFinish(r->device.queue);
     (void)v_rig_frame(r, NULL, 0);

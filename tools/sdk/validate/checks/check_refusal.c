@@ -146,12 +146,6 @@ static void refused(v_rig *r, const char *what, sv_status status, sv_status expe
     if (r->stage.device.queue) (void)clFinish(r->stage.device.queue);
 }
 
-/* begin and all slabs. */
-static void complete(v_rig *r) {
-    (void)v_begin(r->s.plugin, &r->stage, NULL, 0);
-    for (uint32_t n = 0; n < r->stage.slab_count; n++) (void)v_slab(r->s.plugin, &r->stage, n);
-}
-
 void check_null_arguments(v_run *run) {
     v_rig *r = v_rig_good(run);
     const sv_plugin *p = r->s.plugin;
@@ -166,9 +160,9 @@ void check_null_arguments(v_run *run) {
     NEEDED("begin with 3 values at NULL", v_begin(p, &r->stage, NULL, 3));
     (void)v_begin(p, &r->stage, NULL, 0);
     NEEDED("slab with slab NULL", p->slab(p, NULL));
-    complete(r);
+    (void)v_feed(p, &r->stage, NULL, 0);
     NEEDED("end with result NULL", p->end(p, NULL));
-    complete(r);
+    (void)v_feed(p, &r->stage, NULL, 0);
     result.depth = NULL;
     result.depth_object = NULL;
     NEEDED("end without depth and depth_object", p->end(p, &result));
@@ -190,10 +184,10 @@ static void too_short(v_rig *r, uint32_t size) {
     (void)v_begin(p, &r->stage, NULL, 0);
     slab.size = size < sizeof slab ? size : (uint32_t)sizeof slab - 1;
     refused(r, "slab with a short sv_slab", p->slab(p, &slab), SV_ERR_SIZE);
-    complete(r);
+    (void)v_feed(p, &r->stage, NULL, 0);
     result.size = size < sizeof result ? size : (uint32_t)sizeof result - 1;
     refused(r, "end with a short sv_result", p->end(p, &result), SV_ERR_SIZE);
-    complete(r);
+    (void)v_feed(p, &r->stage, NULL, 0);
     result.size = sizeof result;
     stage_poison(&r->stage, STAGE_POISON);
     result.stats->size = size < sizeof(sv_stats) ? size : (uint32_t)sizeof(sv_stats) - 1;

@@ -246,6 +246,9 @@ sv_status v_end(const sv_plugin *p, stage *st);
 sv_status v_adjust(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count);
 v_map v_collect(stage *st, sv_status returned);
 
+/* begin and all slabs: the first error, or SV_OK. */
+sv_status v_feed(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count);
+
 /* begin, all slabs, end. Returns the first error, or what end returned; the results are collected then. */
 sv_status v_try_frame(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
                       v_map *out);

@@ -114,10 +114,15 @@ v_map v_collect(stage *st, sv_status returned) {
 }
 
 /* ---- whole frames */
-sv_status v_try_frame(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
-                      v_map *out) {
+sv_status v_feed(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count) {
     sv_status status = v_begin(p, st, values, count);
     for (uint32_t n = 0; n < st->slab_count && status >= 0; n++) status = v_slab(p, st, n);
+    return status;
+}
+
+sv_status v_try_frame(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count,
+                      v_map *out) {
+    sv_status status = v_feed(p, st, values, count);
     if (status >= 0) status = v_end(p, st);
     if (status < 0)
         finish(st);
