@@ -55,13 +55,16 @@ static void try_sizes(v_subject *s) {
                  sizes[i], v_status(status));
     }
     memset(&room, 0x5a, sizeof room);
-    room.info.size = sizeof room; /* of a later minor */
+    room.info.size = sizeof room.info;
     v_where(s->run, "param_info");
-    const sv_status status = s->plugin->param_info(s->plugin, 0, &room.info);
-    V_EXPECT(s->run, status == SV_OK, "param_info into %zu bytes: %s", sizeof room, v_status(status));
+    (void)s->plugin->param_info(s->plugin, 0, &room.info);
     for (size_t i = 0; i < sizeof room.behind; i++)
         V_EXPECT(s->run, room.behind[i] == 0x5a, "param_info writes behind the %u bytes of its struct",
                  (unsigned)sizeof room.info);
+    room.info.size = sizeof room;
+    v_where(s->run, "param_info into a struct of a later minor");
+    const sv_status status = s->plugin->param_info(s->plugin, 0, &room.info);
+    V_EXPECT(s->run, status == SV_OK, "%s: %s", s->run->report->where, v_status(status));
 }
 
 void check_param_info_calls(v_run *run) {
