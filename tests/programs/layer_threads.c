@@ -85,6 +85,7 @@ static void count_lines(const sv_host *host, int32_t severity, const char *line)
 
 static const uint8_t volume[SLICES * RAYS];
 
+/* NOLINTNEXTLINE(readability-non-const-parameter) */
 static void frames(const sv_plugin *p, float *depth, uint32_t count) {
     const sv_format format = plain_format(SIDE, SIDE, SLICES, 1);
     const sv_slab slab = {

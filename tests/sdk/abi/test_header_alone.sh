@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Every public header compiles alone, first and twice in a file, without a warning, as every standard it promises: C99 to C23
-# and C++11 to C++20, with gcc and clang where they are installed. It leaves no implicit padding in any struct, and
-# two languages can use it together: a C++ host links with a C plugin.
+# and C++11 to C++20, with gcc and clang where they are installed. It leaves no implicit padding in any struct. That two
+# languages can use it together: test_install, with examples/cpp.
 set -eu
 source_dir=$1
 work=$(mktemp -d)
@@ -78,31 +78,6 @@ fi
 # It includes <stdint.h> and <stddef.h> and needs nothing else before it.
 included=$(sed -n 's/^ *# *include *//p' "$source_dir/include/smartvis_plugin.h" | sort | tr '\n' ' ')
 [ "$included" = "<stddef.h> <stdint.h> " ] || { echo "includes $included"; failures=$((failures + 1)); }
-
-# C++ names the entry as C does.
-if command -v gcc > /dev/null && command -v g++ > /dev/null; then
-    cat > plugin.c << 'END'
-#include "smartvis_plugin.h"
-static const sv_descriptor *descriptor(uint32_t index) { (void)index; return NULL; }
-static sv_status create(const sv_host *host, const char *id, const sv_plugin **out) {
-    (void)host; (void)id; *out = NULL; return SV_ERR_UNKNOWN_ID;
-}
-SV_EXPORT const sv_entry smartvis_plugin_entry = {SV_ABI_MAJOR, SV_ABI_MINOR, sizeof(sv_entry), 1, descriptor, create};
-END
-    cat > host.cpp << 'END'
-#include "smartvis_plugin.h"
-int main() {
-    const sv_plugin *plugin = nullptr;
-    return smartvis_plugin_entry.create(nullptr, "", &plugin) == SV_ERR_UNKNOWN_ID ? 0 : 1;
-}
-END
-    compile gcc plugin.c -std=c99 && mv out.o plugin.o
-    compile g++ host.cpp -std=c++11 && mv out.o host.o
-    if ! g++ plugin.o host.o -o host || ! ./host; then
-        echo "a C++ host and a C plugin do not link"
-        failures=$((failures + 1))
-    fi
-fi
 
 echo "$tried compilations, $failures failures"
 [ $failures = 0 ]
