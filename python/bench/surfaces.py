@@ -58,21 +58,6 @@ MORE: list[Variant] = [
 ON_VOLUMES = ("wall",)  # methods that take no points
 
 
-class _Stages(ctypes.Structure):
-    _fields_ = [("size", ctypes.c_uint32), ("reserved", ctypes.c_uint32)] + [
-        (f"{stage}_ms", ctypes.c_double) for stage in ("transfer", "profile", "threshold", "reconstruct", "output")
-    ]
-
-
-class _Timing(ctypes.Structure):
-    _fields_ = [
-        ("size", ctypes.c_uint32),
-        ("reserved", ctypes.c_uint32),
-        ("enable", ctypes.CFUNCTYPE(ctypes.c_int32, _abi.SELF, ctypes.c_uint32)),
-        ("stage_times", ctypes.CFUNCTYPE(ctypes.c_int32, _abi.SELF, ctypes.POINTER(_Stages))),
-    ]
-
-
 @dataclass(frozen=True)
 class Points:
     """A volume and what the definitions start from: its initial points, and the depths of their surface there."""
@@ -131,8 +116,8 @@ def measure(of: Points, variant: Variant, q: float, frames: int, seconds: float)
         if not result.clips or ((result.status > 0) != (of.status > 0)).any():
             raise RuntimeError(f"{label(variant)}: {result.outcome}, or other initial points than the definition has")
         wall, stage = list[float](), list[float]()
-        times = _abi.sized(_Stages)
-        timing = clipper._extension("smartvis.timing/1", _Timing)
+        times = _abi.sized(_abi.sv_stage_times)
+        timing = clipper._extension(_abi.SV_EXT_TIMING, _abi.sv_ext_timing)
         begin = time.perf_counter()
         for frame in range(WARM_UP + frames):
             if len(wall) >= LEAST_FRAMES and time.perf_counter() - begin > seconds:

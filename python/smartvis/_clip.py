@@ -57,17 +57,9 @@ class ClipperCache:
             if clipper is None:
                 while len(self._clippers) >= self._most:
                     self._clippers.popitem(last=False)[1].close()
-                fixed_values: dict[str, Any] = fixed
-                padding = 0 if gaps or scanned is None else None  # the machine's 0 was not scanned
-                clipper = Clipper(
-                    volume.shape,
-                    spacing,
-                    scanned=scanned is not None,
-                    padding=padding,
-                    plugin=plugin,
-                    admit=lambda needed: self.admit(look, needed),
-                    **fixed_values,
-                )
+                how: dict[str, Any] = {"scanned": scanned is not None, "plugin": plugin} | fixed
+                how["padding"] = 0 if gaps or scanned is None else None  # the machine's 0 was not scanned
+                clipper = Clipper(volume.shape, spacing, admit=lambda needed: self.admit(look, needed), **how)
             self._clippers[key] = clipper
             clipper.reset(**parameters)
             return clipper(volume, scanned, discontinuity=discontinuity, probe=probe, beams=beams).copy()

@@ -188,11 +188,7 @@ def _describe(instance: ctypes._Pointer[Any], info: Any) -> Parameter:
     elif kind == "int":
         default = int(default)
     return Parameter(
-        key=_text(info.key),
-        label=_text(info.label),
-        unit=_text(info.unit),
-        help=_text(info.help),
-        group=_text(info.group),
+        **{name: _text(getattr(info, name)) for name in ("key", "label", "unit", "help", "group")},
         type=kind,
         default=default,
         minimum=info.min_value,
