@@ -129,6 +129,7 @@ def test_scanned_ranges_masks_and_auto_agree(volume: np.ndarray) -> None:
     ("keywords", "words"),
     [
         ({"method": "guess"}, "method='guess' is none of mean,"),
+        *(({"keep": [mark]}, "keep=") for mark in ((1, 2), (1, 2, 3, 0), (1, 2, 3, 4, 5), (1, np.nan, 3))),
         ({"knob": 1}, "no parameter 'knob'"),
         ({"q": "half"}, "q='half' is not a number"),
         ({"spacing": (1, 1)}, "spacing=(1, 1)"),
@@ -178,13 +179,12 @@ def test_the_plugin_s_own_reason_is_the_exception_s(volume: np.ndarray) -> None:
     assert "99" in caught.value.reason and caught.value.reason in str(caught.value)
 
 
-# Where x, y and z of the array lead in the patient: as scanned from the front, with the head at the top.
-FROM_THE_FRONT = (1, 0, 0, 0, 0, 1, 0, -1, 0)
-OBLIQUE = (0.6, 0, 0.8, 0, -1, 0, 0.8, 0, -0.6)  # left-handed it is not; its axes lie between those of the patient
+# Where x, y and z of the array lead in the patient: between his axes; and a left-handed scan.
+DIRECTIONS = [(0.6, 0, 0.8, 0, -1, 0, 0.8, 0, -0.6), (-1, 0, 0, 0, 0, 1, 0, -1, 0)]
 
 
 @pytest.mark.parametrize("place", ["probe", "anterior", "posterior", "left", "right", "superior", "inferior"])
-@pytest.mark.parametrize("directions", [FROM_THE_FRONT, OBLIQUE, (-1, 0, 0, 0, 0, 1, 0, -1, 0)])
+@pytest.mark.parametrize("directions", DIRECTIONS)
 def test_places_around_the_patient_are_those_of_the_host(tmp_path, volume, place: str, directions: tuple) -> None:
     """The host's maps lie in the patient with the axes of its camera."""
     image = sitk.GetImageFromArray(volume)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import host_sim
+from conftest import FETUS, FLUID, host_sim, layers
 
 import smartvis
 
@@ -39,3 +39,25 @@ def test_the_host_and_python_give_the_same_bits(scan: Path, tmp_path: Path, meth
         assert np.array_equal(read(tmp_path, "confidence")[0], result.confidence)
     assert np.array_equal(read(tmp_path, "mask") > 0, result.mask())
     assert np.array_equal(read(tmp_path, "clipped"), sitk.GetArrayFromImage(result.apply(image)))
+
+
+def test_marks_are_those_of_the_host(tmp_path: Path) -> None:
+    """A cord of tissue lies in the fluid; behind the fetus are fluid and a wall."""
+    cord = layers((64, 56, 56), 0.1, 0.5)
+    cord[20:26, 24:32, :] = FETUS
+    cord[46:54] = FLUID
+    plain = smartvis.clip(cord, spacing=(1, 1, 1), method="wall")
+    remove, keep = [(28.0, 28.0, 20.0, 6.0), (28.0, 28.0, 38.0)], [(10.0, 44.0, 2.0, 4.0)]
+    marked = smartvis.clip(cord, spacing=(1, 1, 1), method="wall", remove=remove, keep=keep)
+    deeper, nearer = marked.depth > plain.depth, marked.depth < plain.depth
+    y, x = np.mgrid[:56, :56]
+    assert deeper.any() and not deeper[np.hypot(x - 28, y - 28) > 6].any()
+    assert nearer.any() and not nearer[np.hypot(x - 10, y - 44) > 4].any()
+    assert marked.mask().sum() != plain.mask().sum()
+
+    sitk.WriteImage(sitk.GetImageFromArray(cord), str(tmp_path / "v.mha"))
+    marks = [f"--remove={','.join(map(str, mark))}" for mark in remove]
+    marks += [f"--keep={','.join(map(str, mark))}" for mark in keep]
+    host_sim("run", "--volume", tmp_path / "v.mha", "--set", "method=wall", "--setting", "smartvis", "--frames", 1,
+             "--few-pictures", "--write", "depthmap", "--out", tmp_path, *marks)  # fmt: skip
+    assert np.array_equal(read(tmp_path, "depthmap")[0], marked.depth_mm)
