@@ -22,10 +22,7 @@ class Source:
     """The volumes of one file, or of a folder of DICOM, read in a process of its own."""
 
     def __init__(
-        self,
-        path: str | os.PathLike[str],
-        mirror: bool = False,
-        spacing: Sequence[float] | None = None,
+        self, path: str | os.PathLike[str], mirror: bool = False, spacing: Sequence[float] | None = None
     ) -> None:
         """FileError: not readable, or no volume. `mirror`: as of host_sim, for Kretz volumes. `spacing`: mm along x, y
         and z, where the file does not say it, or wrongly."""

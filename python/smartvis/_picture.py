@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import struct
+import sys
 import tempfile
 import webbrowser
 from pathlib import Path
@@ -41,15 +42,9 @@ class Picture:
 
     def show(self) -> None:
         """Opens it: in a notebook below the cell, else in what this machine opens pictures with."""
-        try:
-            from IPython import get_ipython
-            from IPython.display import display
-        except ImportError:
-            notebook = None
-        else:
-            notebook = get_ipython()
-        if notebook is not None and hasattr(notebook, "kernel"):
-            display(self)
+        ipython = sys.modules.get("IPython")  # a notebook has imported it
+        if ipython is not None and hasattr(ipython.get_ipython(), "kernel"):
+            ipython.display.display(self)
         else:
             with tempfile.NamedTemporaryFile(suffix=".png", delete=False) as file:
                 file.write(self.png)

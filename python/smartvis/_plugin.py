@@ -19,11 +19,7 @@ from ._version import __version__
 
 log = logging.getLogger("smartvis.plugin")
 
-_LEVELS = {
-    _abi.SV_LOG_DEBUG: logging.DEBUG,
-    _abi.SV_LOG_INFO: logging.INFO,
-    _abi.SV_LOG_WARNING: logging.WARNING,
-}
+_LEVELS = {_abi.SV_LOG_DEBUG: logging.DEBUG, _abi.SV_LOG_INFO: logging.INFO, _abi.SV_LOG_WARNING: logging.WARNING}
 _MOST_TEXT = 512
 _MOST_CHOICES = 256
 _MOST_PARAMETERS = 4096

@@ -67,12 +67,8 @@ class Result:
         cut = self.depth > 0
         mean = f", {self.depth_mm[cut].mean():.1f} {'mm' if self.spacing_known else 'voxels'} deep" if cut.any() else ""
         what = f"{width} x {height} rays of {slices} slices, {100 * cut.mean():.0f} % clipped{mean}"
-        why = "".join(
-            f"; {text}"
-            for text in (self.why, self.doubt if self.spacing_known and self.doubt != self.why else "")
-            if text
-        )
-        return f"<Result {self.outcome.name}: {what}{why}>"
+        doubt = self.doubt if self.spacing_known and self.doubt != self.why else ""
+        return f"<Result {self.outcome.name}: {'; '.join(filter(None, (what, self.why, doubt)))}>"
 
     @property
     def clips(self) -> bool:
@@ -86,14 +82,9 @@ class Result:
 
     def copy(self) -> Result:
         """A result that owns its maps: a Clipper overwrites its own with the next volume."""
-        confidence = None if self.confidence is None else self.confidence.copy()
-        return replace(
-            self,
-            depth=self.depth.copy(),
-            status=self.status.copy(),
-            confidence=confidence,
-            statistics=replace(self.statistics),
-        )
+        maps = {name: getattr(self, name) for name in ("depth", "status", "confidence")}
+        own: dict[str, Any] = {name: None if of is None else of.copy() for name, of in maps.items()}
+        return replace(self, **own, statistics=replace(self.statistics))
 
     def mask(self) -> NDArray[np.bool_]:
         """True where a voxel of the volume is kept, in the volume's own shape."""

@@ -130,6 +130,8 @@ def test_scanned_ranges_masks_and_auto_agree(volume: np.ndarray) -> None:
     [
         ({"method": "guess"}, "method='guess' is none of mean,"),
         *(({"keep": [mark]}, "keep=") for mark in ((1, 2), (1, 2, 3, 0), (1, 2, 3, 4, 5), (1, np.nan, 3))),
+        ({"view": "anterior"}, "view='anterior': an array does not say how the patient lies"),
+        ({"view": "above"}, "view='above' is none of probe, anterior"),
         ({"knob": 1}, "no parameter 'knob'"),
         ({"q": "half"}, "q='half' is not a number"),
         ({"spacing": (1, 1)}, "spacing=(1, 1)"),
@@ -197,10 +199,3 @@ def test_places_around_the_patient_are_those_of_the_host(tmp_path, volume, place
     host_sim("run", "--volume", tmp_path / "v.mha", "--view", place, "--write", "depthmap", *few)
     theirs = np.array(sitk.ReadImage(str(tmp_path / "depthmap.mha")).GetDirection()).reshape(3, 3)
     assert np.allclose(in_patient, theirs, atol=1e-6)
-
-
-def test_a_place_needs_an_image_and_a_name() -> None:
-    with pytest.raises(ValueError, match="view='anterior': an array does not say how the patient lies"):
-        smartvis.clip(np.zeros((32, 32, 32), np.uint8), view="anterior")
-    with pytest.raises(ValueError, match="view='above' is none of probe, anterior"):
-        smartvis.clip(np.zeros((32, 32, 32), np.uint8), view="above")
