@@ -36,9 +36,8 @@ class Source:
             raise FileError(f"{str(self.path)!r}: the name is not UTF-8; rename the file") from None
         facts = _process.ask("open", str(self.path), mirror)
         self.count: int = facts["count"]
-        self.names: list[str] = (
-            facts["names"] or [""] * self.count
-        )  #: what tells the volumes apart, where that is known
+        #: What tells the volumes apart, where that is known.
+        self.names: list[str] = facts["names"] or [""] * self.count
 
     def read(self, number: int = 0) -> Any:
         """Volume `number` as a SimpleITK image of 3 dimensions with one value a voxel."""

@@ -35,16 +35,11 @@ _LOOK = 2.0  # seconds between looks at workers of our own
 _ALONE = 300  # seconds without any: on a busy machine a start takes some of them
 
 
-def distributed() -> Any:
-    """Dask's distributed."""
-    return extra_module("distributed", "distributed", "batch")
-
-
 @contextlib.contextmanager
 def cluster(scheduler: str | None, workers: int, link: Callable[[str], None]) -> Iterator[Any]:
     """A client: of the scheduler at an address, or of `workers` processes of its own, a thread each. `link` is told
     where the dashboard is."""
-    dask, config = distributed(), extra_module("dask.config", "distributed", "batch")
+    dask, config = (extra_module(name, "distributed", "batch") for name in ("distributed", "dask.config"))
     if scheduler is not None:
         try:
             client = dask.Client(scheduler, timeout="20s")
@@ -258,7 +253,9 @@ def _done(
     volumes: Sequence[tuple[Path, int]], start: Callable[[Path, int], Any], client: Any, workers: int, ahead: int
 ) -> Iterator[tuple[tuple[Path, int], Any]]:
     """Volumes with their futures as they end, `ahead` of them in hand at a time."""
-    completed = distributed().as_completed(loop=client.loop)  # not that of another client in this process
+    from distributed import as_completed
+
+    completed = as_completed(loop=client.loop)  # not that of another client in this process
     left = iter(volumes)
     waiting: dict[str, tuple[Path, int]] = {}
 

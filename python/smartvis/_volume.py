@@ -18,6 +18,8 @@ def to_uint8(volume: NDArray[Any], window: tuple[float, float] | None = None) ->
 
     >>> to_uint8(np.array([[[-100, 0, 155]]])).tolist()
     [[[0, 100, 255]]]
+    >>> to_uint8(np.array([[[-100, 0, 155]]]), window=(0, 310)).tolist()
+    [[[0, 0, 128]]]
     """
     if volume.dtype == np.uint8 and window is None:
         return volume

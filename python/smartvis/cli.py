@@ -103,7 +103,12 @@ def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
 
 def settings_of(args: argparse.Namespace) -> Settings:
     """Settings from the options; ValueError names key and value."""
-    values: dict[str, Any] = dict(split(pair) for pair in args.set)
+    values: dict[str, Any] = {}
+    for pair in args.set:
+        key, _, value = pair.partition("=")
+        if not key or not value:
+            raise ValueError(f"--set: '{pair}', expected KEY=VALUE")
+        values[key] = value
     if args.method:
         values["method"] = args.method
     known = load(args.plugin).parameters
@@ -126,14 +131,6 @@ def settings_of(args: argparse.Namespace) -> Settings:
         **{name: getattr(args, name) for name in ("view", "scanned", "window", "plugin", "probe")},
         **of_files,
     )
-
-
-def split(pair: str) -> tuple[str, str]:
-    """Key and value of "key=value"."""
-    key, mark, value = pair.partition("=")
-    if not mark or not key or not value:
-        raise ValueError(f"--set: '{pair}', expected KEY=VALUE")
-    return key, value
 
 
 def progress(total: int | None, what: str) -> contextlib.AbstractContextManager[Any]:

@@ -69,19 +69,15 @@ class Server(socketserver.ThreadingTCPServer):
         self.patience = patience
         machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
         self.budget = Budget(memory or machine // 4, all_memory or machine // 2)
-        self._room = threading.BoundedSemaphore(clients)
+        self.room = threading.BoundedSemaphore(clients)
         super().__init__((host, port), _Connection)
 
     def verify_request(self, request: Any, client_address: Any) -> bool:
         """False for a client too many."""
-        room = self._room.acquire(blocking=False)
+        room = self.room.acquire(blocking=False)
         if not room:
             log.warning("%s: there are as many clients as are allowed", client_address)
         return room
-
-    def leave(self) -> None:
-        """A connection has ended."""
-        self._room.release()
 
 
 class Budget:
@@ -129,7 +125,7 @@ class _Connection(socketserver.BaseRequestHandler):
             session.close()
 
     def finish(self) -> None:
-        self.server.leave()
+        self.server.room.release()
 
 
 class Session:
