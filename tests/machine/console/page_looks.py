@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""page_looks.py PAGE...: whether pages of files can be read: contrast of text and controls, in light, dark and print, and nothing wider
-than the screen. The console's tests use the same functions on a page that is open."""
+"""page_looks.py PAGE...: whether pages of files can be read: a picture on the first screen, nothing wider than the screen when all is
+opened, labels that a screen shows, a slider that shows another picture; contrast of text and controls, in light, dark and print. The
+console's tests use the same functions on a page that is open."""
 
 import os
 import sys
@@ -36,10 +37,38 @@ FAINT = """
     }
     return [seen, faint];"""
 
+OPEN_ALL = "document.querySelectorAll('details').forEach((fold) => { fold.open = true; })"
+
 # What a press of the tab key should lead to, one after the other: all that can be used, as the page reads.
 IN_ORDER = """
     return [...document.querySelectorAll('a[href], button, input, select, textarea, summary, [tabindex="0"]')]
         .filter((e) => e.checkVisibility({ visibilityProperty: true }) && !e.disabled).map((e) => e.outerHTML.slice(0, 60));"""
+
+# How long the page is as a reader first sees it, and where its first picture ends.
+FIRST_SEEN = "return [document.documentElement.scrollHeight, document.querySelector('img').getBoundingClientRect().bottom + scrollY]"
+
+# What scrolls sideways, and what a screen shows too small: the smallest letters of pictures have 17 pixels, and on a phone pictures are zoomed.
+UNFIT = """
+    const phone = innerWidth < 500, all = (css) => [...document.querySelectorAll(css)];
+    const size = (e) => { const box = e.getBoundingClientRect(); return Math.min(box.width, box.height); };
+    return all('html, body *').filter((e) => e.clientWidth > 0 && e.scrollWidth > e.clientWidth && !e.closest('svg'))
+        .concat(all('.row.wide img').filter((i) => !phone && 17 * i.getBoundingClientRect().width / i.naturalWidth < 8))
+        .concat(all('svg.plot text').filter((t) => size(t) > 0 && size(t) < (phone ? 8 : 11) && t.textContent.length > 1))
+        .map((e) => e.outerHTML.slice(0, 80));"""
+
+# Both ends of a slider, as a user turns it: one picture each, and another.
+SLID = """
+    const slider = document.querySelector('.slider'), input = slider?.querySelector('input');
+    const shown = (value) => {
+        input.value = value;
+        input.dispatchEvent(new Event('input'));
+        const seen = [...slider.querySelectorAll('figure')].filter((f) => f.offsetHeight > 0);
+        return seen.length === 1 ? seen[0].querySelector('img') : null;
+    };
+    if (!slider) return null;
+    const [first, last] = [shown(0), shown(input.max)];
+    input.focus();
+    return [first.src !== last.src, last.naturalWidth > 0, input.getAttribute('aria-valuetext'), document.activeElement === input];"""
 
 
 def contrast(b, what):
@@ -81,13 +110,27 @@ def whole_on_paper(b, what):
     b.devtools("Emulation.clearDeviceMetricsOverride")
 
 
+def on_screens(b, what):
+    for width in (390, 1280):
+        b.devtools("Emulation.setDeviceMetricsOverride", width=width, height=844, deviceScaleFactor=1, mobile=False)
+        height, end = b.run(FIRST_SEEN)
+        assert height <= 15000 and end <= 844, f"{what}, {width} wide: {height} pixels long, its first picture ends at {end}"
+        b.run(OPEN_ALL)
+        assert b.run(UNFIT) == [], f"{what}, {width} wide: {b.run(UNFIT)[:8]}"
+        assert b.run(SLID) in (None, [True, True, "q = 1.5", True]), f"{what}, {width} wide: the slider: {b.run(SLID)}"
+        b.run(OPEN_ALL.replace("true", "false"))
+    b.devtools("Emulation.clearDeviceMetricsOverride")
+
+
 def main():
     for path in sys.argv[1:]:
         with tempfile.TemporaryDirectory() as work:
             b = Browser(work)
             try:
                 b.open("file://" + os.path.abspath(path))
-                b.run("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
+                on_screens(b, path)
+                b.open("file://" + os.path.abspath(path))
+                b.run(OPEN_ALL)
                 looks(b, path)
                 whole_on_paper(b, path)
                 tab_order(b, path)
