@@ -68,37 +68,25 @@ def view_of(text: str) -> tuple[float, ...] | str:
 
 def add_clip_options(parser: argparse.ArgumentParser) -> None:
     """The options of everything that clips."""
-    parser.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")
-    parser.add_argument("--method", metavar="NAME", help="short for --set method=NAME")
-    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a parameter; repeatable")
-    parser.add_argument(
-        "--view",
-        metavar="PLACE",
-        type=view_of,
-        help=f"where the camera is, {', '.join(PLACES)}, or looks, X,Y,Z [probe]",
-    )
-    parser.add_argument("--window", metavar="LOW,HIGH", type=window_of, help="values that become 0 and 255")
-    parser.add_argument(
-        "--scanned",
-        choices=("auto", "zeros", "all"),
-        default="auto",
-        help="auto: all but the zeros, or the other constant, outside a fan; zeros: all but zeros; all: everything"
-        " [auto]",
-    )
-    parser.add_argument(
-        "--probe", metavar="SIDE", choices=SIDES, help=f"where it was: {', '.join(SIDES)} [as the file says]"
-    )
+    add, places, sides = parser.add_argument, ", ".join(PLACES), ", ".join(SIDES)
+    what = "auto: all but the zeros, or the other constant, outside a fan; zeros: all but zeros; all: everything [auto]"
+    add("--plugin", metavar="PATH", help="plugin library [the package's own]")
+    add("--method", metavar="NAME", help="short for --set method=NAME")
+    add("--set", metavar="KEY=VALUE", action="append", default=[], help="a parameter; repeatable")
+    add("--view", metavar="PLACE", type=view_of, help=f"where the camera is, {places}, or looks, X,Y,Z [probe]")
+    add("--window", metavar="LOW,HIGH", type=window_of, help="values that become 0 and 255")
+    add("--scanned", choices=("auto", "zeros", "all"), default="auto", help=what)
+    add("--probe", metavar="SIDE", choices=SIDES, help=f"where it was: {sides} [as the file says]")
 
 
 def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
     """The options of what reads and writes files."""
-    parser.add_argument(
-        "--spacing", metavar="X,Y,Z", type=spacing_of, help="mm between voxels, where files do not say it"
-    )
-    parser.add_argument("--write", metavar="LIST", default=default, help=f"of {','.join(PRODUCTS)} [{default}]")
-    parser.add_argument("--format", metavar="SUFFIX", default=".nrrd", help="of volumes: .nrrd, .mha, .nii.gz [.nrrd]")
-    parser.add_argument("--level", type=finite, help="grey value at which the mesh's tissue begins [Otsu's threshold]")
-    parser.add_argument("--mirror", action="store_true", help="Kretz volumes: the other side, as of host_sim")
+    add = parser.add_argument
+    add("--spacing", metavar="X,Y,Z", type=spacing_of, help="mm between voxels, where files do not say it")
+    add("--write", metavar="LIST", default=default, help=f"of {','.join(PRODUCTS)} [{default}]")
+    add("--format", metavar="SUFFIX", default=".nrrd", help="of volumes: .nrrd, .mha, .nii.gz [.nrrd]")
+    add("--level", type=finite, help="grey value at which the mesh's tissue begins [Otsu's threshold]")
+    add("--mirror", action="store_true", help="Kretz volumes: the other side, as of host_sim")
 
 
 def settings_of(args: argparse.Namespace) -> Settings:
