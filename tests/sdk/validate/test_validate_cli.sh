@@ -8,19 +8,12 @@ right=$build/wrong/right/params.so
 wrong=$build/wrong/depth_nan.so
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-failed=0
+. "$1/tests/support/holds.sh"
 
 # expect CODE TEXT ARGUMENT...: exit code and a pattern in what is printed.
 expect() {
-    local code=$1 text=$2 got
-    shift 2
-    timeout 600 "$validate" "$@" > "$work/out" 2> "$work/err"
-    got=$?
-    if [ $got -ne "$code" ] || ! cat "$work/out" "$work/err" | grep -qE -- "$text"; then
-        echo "sv_validate $*: exit code $got, expected $code and '$text'"
-        cat "$work/out" "$work/err"
-        failed=1
-    fi
+    ends "$1" timeout 600 "$validate" "${@:3}"
+    holds grep -qE -- "$2" "$work/stdout" "$work/stderr"
 }
 
 expect 0 '^Usage: sv_validate' --help
@@ -65,24 +58,19 @@ expect 1 '^fail +process-untouched' --only process-untouched "$build/wrong/write
 exec 9>&-
 
 # In a pipe there are no colours, and nothing that the plugin printed or that a terminal would obey.
+lacks() { ! grep -q "$@" "$work/stdout"; }
 expect 1 'param-strings' "$build/wrong/param_key_blank.so"
-if grep -qP '[\x00-\x08\x0b-\x1f\x7f]' "$work/out"; then
-    echo "control characters in the output"
-    failed=1
-fi
+holds lacks -P '[\x00-\x08\x0b-\x1f\x7f]'
 expect 1 'process-untouched' "$build/wrong/prints.so"
-if grep -q '^slab ' "$work/out"; then
-    echo "what the plugin prints is in the output"
-    failed=1
-fi
+holds lacks '^slab '
 
 # The same seed tries the same. A wrong map is found after as many random calls, whatever else the machine does.
 for seed in 1 1 2; do
     "$validate" --only state-walk --only param-fuzz --seed $seed "$build/wrong/lost_after_adjust.so" |
         sed -nE 's/^(fail|pass) +([a-z-]+) +[0-9.]+ s/\1 \2/p' >> "$work/seed$seed"
 done
-[ "$(sort -u "$work/seed1" | wc -l)" -eq 2 ] || { echo "the same seed, other findings"; cat "$work/seed1"; failed=1; }
-[ -s "$work/seed2" ] || { echo "nothing with seed 2"; failed=1; }
+holds [ "$(sort -u "$work/seed1" | wc -l)" -eq 2 ] # the same findings
+holds [ -s "$work/seed2" ]
 
 # JUnit's XML is well-formed, counts as the lines do, and has the texts; a place where it cannot be is found first. Of a path,
 # too, XML's own characters are escaped, and those that XML does not know.
@@ -91,8 +79,7 @@ cp "$right" "$odd"
 expect 6 'no/junit.xml: cannot be created' --junit "$work/no/junit.xml" "$right"
 expect 0 '1 pass' --only library-loads --junit "$work/odd.xml" "$odd"
 expect 1 '^crash' --junit "$work/junit.xml" "$build/wrong/crash_in_slab.so"
-if command -v python3 > /dev/null; then
-    python3 - "$work/junit.xml" "$work/out" "$work/odd.xml" "$work/hang.xml" << 'END' || { echo "JUnit's XML is not what the lines say"; failed=1; }
+holds python3 - "$work/junit.xml" "$work/stdout" "$work/odd.xml" "$work/hang.xml" << 'END'
 import re, sys, xml.etree.ElementTree as tree
 suite, lines = tree.parse(sys.argv[1]).getroot(), open(sys.argv[2]).read()
 cases = {case.get("name"): case for case in suite.findall("testcase")}
@@ -108,20 +95,18 @@ late = tree.parse(sys.argv[4]).getroot()
 assert late.get("errors") == "1" and late.find("testcase/error").get("type") == "timeout", late.attrib
 assert 'a<b>&"c\\x01\\xff.so' in tree.parse(sys.argv[3]).getroot().get("name")
 END
-else
-    echo "no python3: JUnit's XML is not read"
-fi
 
 # Too few descriptors are not the plugin's fault.
-(ulimit -n 32 && "$validate" "$right" > "$work/out" 2>&1)
-[ $? -eq 7 ] && grep -q 'may open 32 files (ulimit -n), 64 are needed' "$work/out" || { echo "too few descriptors"; failed=1; }
+few() { (ulimit -n 32 && ends 7 "$validate" "$right" && grep -q 'may open 32 files (ulimit -n), 64 are needed' "$work/stderr"); }
+holds few
 
-# A full disk is no success.
-"$validate" --list > /dev/full 2> /dev/null
-[ $? -eq 6 ] || { echo "a full disk is no error: --list"; failed=1; }
-"$validate" --only first-frame "$right" > /dev/full 2> /dev/null
-[ $? -eq 6 ] || { echo "a full disk is no error"; failed=1; }
-# Nor does it hide what was found.
-"$validate" --only first-frame --only depth-values "$build/wrong/depth_nan.so" > /dev/full 2> /dev/null
-[ $? -eq 1 ] || { echo "a full disk hides that a check failed"; failed=1; }
-exit $failed
+# A full disk is no success, and hides nothing that was found.
+full() { # full CODE ARGUMENT...
+    local found=0
+    "$validate" "${@:2}" > /dev/full 2> /dev/null || found=$?
+    [ $found -eq "$1" ]
+}
+holds full 6 --list
+holds full 6 --only first-frame "$right"
+holds full 1 --only first-frame --only depth-values "$wrong"
+[ $failed = 0 ]
