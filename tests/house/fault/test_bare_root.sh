@@ -10,29 +10,22 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
-# ends CODE WORDS COMMAND...: the command ends with CODE and says WORDS.
-ends() {
-    local code=$1 words=$2 got=0
-    shift 2
-    checked=$((checked + 1))
-    "$@" > "$work/said" 2>&1 || got=$?
-    if [ $got -ne "$code" ] || ! grep -qF -- "$words" "$work/said"; then
-        echo "FAIL: $*: exit code $got, expected $code, saying '$words':"
-        cat "$work/said"
-        failed=$((failed + 1))
-    fi
+# says CODE WORDS COMMAND...: the command ends with CODE and says WORDS.
+says() {
+    ends "$1" "${@:3}"
+    holds grep -qF -- "$2" "$work/stdout" "$work/stderr"
 }
 
-ends 0 "Exit code:" bash "$script" --help
-ends 2 "no SUITE" bash "$script"
-ends 2 "no TARGET for 'trixie'" bash "$script" trixie
-ends 2 "no TARGET for 'trixie'" bash "$script" trixie JOBS=2
-ends 2 "unknown option '--twice'" bash "$script" --twice trixie test
-ends 2 "--dir has no value" bash "$script" --dir
-ends 2 "--bring has no value" bash "$script" --bring
-ends 2 "--bring /nowhere is no folder" bash "$script" --bring /nowhere trixie test
-ends 2 "'Trixie!' is no name of a suite" bash "$script" 'Trixie!' test
-ends 2 "'-k' is neither a target" bash "$script" trixie test -k
+says 0 "Exit code:" bash "$script" --help
+says 2 "no SUITE" bash "$script"
+says 2 "no TARGET for 'trixie'" bash "$script" trixie
+says 2 "no TARGET for 'trixie'" bash "$script" trixie JOBS=2
+says 2 "unknown option '--twice'" bash "$script" --twice trixie test
+says 2 "--dir has no value" bash "$script" --dir
+says 2 "--bring has no value" bash "$script" --bring
+says 2 "--bring /nowhere is no folder" bash "$script" --bring /nowhere trixie test
+says 2 "'Trixie!' is no name of a suite" bash "$script" 'Trixie!' test
+says 2 "'-k' is neither a target" bash "$script" trixie test -k
 
 finish() {
     echo "$checked checked, $failed failed"
@@ -40,12 +33,12 @@ finish() {
     exit "$1"
 }
 if [ "$(id -u)" -ne 0 ]; then
-    ends 3 "not root" bash "$script" trixie test
+    says 3 "not root" bash "$script" trixie test
     echo "skipped: not root"
     finish 77
 fi
 # Read from stdin, because that user may not read this folder.
-ends 3 "not root (user id 65534)" setpriv --reuid 65534 --clear-groups bash -s -- trixie test < "$script"
+says 3 "not root (user id 65534)" setpriv --reuid 65534 --clear-groups bash -s -- trixie test < "$script"
 unshare --mount --pid --fork true 2> /dev/null || {
     echo "skipped: no namespaces can be made here"
     finish 77
@@ -87,18 +80,18 @@ root=$work/root
 bare() { bash "$script" --dir "$root" --mirror http://stand.in.invalid "$@"; }
 nothing_left() { ! grep -qF " $root" /proc/self/mounts && [ ! -e "$root" ]; }
 
-ends 0 "make -C /smartvis JOBS=2 demo home /root kernel Linux" bare trixie JOBS=2 demo test
-holds grep -qF "trixie: make test: ok" "$work/said"
+says 0 "make -C /smartvis JOBS=2 demo home /root kernel Linux" bare trixie JOBS=2 demo test
+holds grep -qF "trixie: make test: ok" "$work/stdout"
 holds nothing_left
-ends 1 "trixie: make bad: FAILED" bare trixie bad demo
-holds grep -qF "trixie: make demo: ok" "$work/said"
+says 1 "trixie: make bad: FAILED" bare trixie bad demo
+holds grep -qF "trixie: make demo: ok" "$work/stdout"
 holds nothing_left
-ends 4 "the root of trixie could not be made" bash "$script" --dir "$root" --mirror http://broken.invalid trixie demo
+says 4 "the root of trixie could not be made" bash "$script" --dir "$root" --mirror http://broken.invalid trixie demo
 holds nothing_left
 mkdir -m 700 "$root"
 mkdir -p "$work/built"
 echo 1 > "$work/built/thing"
-ends 0 "the root is $root" bare --keep --bring "$work/built" trixie demo
+says 0 "the root is $root" bare --keep --bring "$work/built" trixie demo
 holds [ "$(stat -c %a "$root")" = 755 ] # every user of the root reads it
 holds cmp "$work/built/thing" "$root/smartvis/out/built/thing"
 holds [ -d "$root/smartvis" ]
@@ -109,7 +102,7 @@ if [ -s "$MACHINE_TRUSTS" ]; then
     holds [ "$(cat "$root/trust.txt")" = told ]
 fi
 holds [ -z "$(ls -A "$root/proc" "$root/dev" 2>&1 | grep -v ':$' | grep .)" ]
-ends 3 "--dir $root is not empty" bare trixie demo
+says 3 "--dir $root is not empty" bare trixie demo
 rm -rf "$root"
 
 # Ended from outside in the middle of a target.
