@@ -56,14 +56,12 @@ exec 9> "$work/pipe"
 wait
 expect 1 '^fail +process-untouched' --only process-untouched "$build/wrong/writes_to_files.so"
 exec 9>&-
-
 # In a pipe there are no colours, and nothing that the plugin printed or that a terminal would obey.
 lacks() { ! grep -q "$@" "$work/stdout"; }
 expect 1 'param-strings' "$build/wrong/param_key_blank.so"
 holds lacks -P '[\x00-\x08\x0b-\x1f\x7f]'
 expect 1 'process-untouched' "$build/wrong/prints.so"
 holds lacks '^slab '
-
 # The same seed tries the same. A wrong map is found after as many random calls, whatever else the machine does.
 for seed in 1 1 2; do
     "$validate" --only state-walk --only param-fuzz --seed $seed "$build/wrong/lost_after_adjust.so" |
@@ -95,11 +93,9 @@ late = tree.parse(sys.argv[4]).getroot()
 assert late.get("errors") == "1" and late.find("testcase/error").get("type") == "timeout", late.attrib
 assert 'a<b>&"c\\x01\\xff.so' in tree.parse(sys.argv[3]).getroot().get("name")
 END
-
 # Too few descriptors are not the plugin's fault.
 few() { (ulimit -n 32 && ends 7 "$validate" "$right" && grep -q 'may open 32 files (ulimit -n), 64 are needed' "$work/stderr"); }
 holds few
-
 # A full disk is no success, and hides nothing that was found.
 full() { # full CODE ARGUMENT...
     local found=0
