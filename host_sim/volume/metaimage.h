@@ -66,9 +66,9 @@ typedef struct {
 /*
  * A file that is being read, of one volume or of a sequence of them. One thread at a time.
  *
- * Open: `path` must outlive it. A type that must
- * be mapped to 8 bit is read through for its range first, all volumes together, so that brightness means the
- * same in all of them. NULL on failure; errors as in hs_metaimage_read.
+ * Open: `path` must outlive it. A type that must be mapped to 8 bit is read through for its range first, all
+ * volumes together, so that brightness means the same in all of them. NULL on failure; errors as in
+ * hs_metaimage_read.
  */
 typedef struct hs_metaimage hs_metaimage;
 hs_metaimage *hs_metaimage_open(const char *path, const hs_metaimage_options *opt, hs_error *err);

@@ -31,7 +31,6 @@ echo "no library" > "$work/text.so"
 expect 3 'not a shared library' "$work/text.so"
 : > "$work/empty.so"
 expect 3 'not a shared library' "$work/empty.so"
-
 # A library that the loader refuses has failed a check.
 head -c 2000 "$right" > "$work/short.so"
 expect 1 '^(fail|crash) +library-loads .*dlopen' "$work/short.so"
@@ -69,7 +68,6 @@ for seed in 1 1 2; do
 done
 holds [ "$(sort -u "$work/seed1" | wc -l)" -eq 2 ] # the same findings
 holds [ -s "$work/seed2" ]
-
 # JUnit's XML is well-formed, counts as the lines do, and has the texts; a place where it cannot be is found first. Of a path,
 # too, XML's own characters are escaped, and those that XML does not know.
 odd="$work/a<b>&\"c"$'\x01\xff'.so
