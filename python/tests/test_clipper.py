@@ -57,9 +57,9 @@ def recorded(clipper: Clipper) -> Any:
 def test_where_the_probe_is(volume: np.ndarray) -> None:
     recorder = smartvis.load(BUILD / "tests" / "plugins" / "recorder.so")
     turned = np.array([[0.0, 0, -1], [0, 1, 0], [1, 0, 0]])  # probe's z along -x
-    rows: list[Any] = [(turned, ((1, 2, -57), 23), False), ([0, 0.6, -0.8], None, True), (None, None, False)]
+    rows: Any = [(turned, ((1, 2, -57), 23), False), ([0, 0.6, -0.8], None, True), (None, None, False)]
     with Clipper(SHAPE, plugin=recorder, confidence=False) as clipper:
-        for (probe, beams, same), side in zip(rows, ([1, 0, 0], [0, 0.6, -0.8], [0, 0, 0]), strict=True):
+        for (probe, beams, same), side in zip(rows, np.array([[1, 0, 0], [0, 0.6, -0.8], [0, 0, 0]]), strict=True):
             clipper(volume, probe=probe, beams=beams, same_volume=same)
             frame = recorded(clipper)
             assert list(frame.probe_rotation) == (turned.ravel().tolist() if probe is turned else [0] * 9)
@@ -100,6 +100,7 @@ def test_volumes_in_the_buffer_are_read_in_place(volume: np.ndarray) -> None:
         assert np.array_equal(clipper(ring[1], discontinuity=True).depth, other.depth)
         assert np.array_equal(ring[0], volume)
     alone = smartvis.clip(volume, (1, 1, 1), method="wall")
+    assert inside.confidence is not None and alone.confidence is not None
     assert np.array_equal(inside.depth, alone.depth) and np.array_equal(inside.confidence, alone.confidence)
 
 
