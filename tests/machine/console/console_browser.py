@@ -84,6 +84,7 @@ def on_a_phone(b):
     b.run("toggleBox()")
     rows = b.run("return [...document.querySelectorAll('.pair')].map((pair) => new Set([...pair.querySelectorAll('input')].map((i) => i.offsetTop)).size)")
     b.run("toggleBox()")
+    settle(b, "no box")
     holds(rows == [1, 1, 1], f"the two ends of a box's axis lie in {rows} rows")
     b.devtools("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
     wide, over = b.run(OVERPRINTED)

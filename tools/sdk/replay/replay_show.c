@@ -123,6 +123,7 @@ bool rp_show(const char *file, const char *folder, hs_error *err) {
             p.out);
     while (ok && (there = rec_reader_next(reader, &p.item, wrong, sizeof wrong)) == 1) ok = put_item(&p, err);
     rec_reader_close(reader);
+    hs_picture_finish();
     if (ok && there < 0) {
         (void)fputs("<p class=bad>", p.out);
         put(p.out, wrong);
