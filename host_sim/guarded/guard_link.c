@@ -278,7 +278,7 @@ static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confide
     return SV_OK;
 }
 
-/* ------------------------------------------------------------------------------------ timing --------- */
+/* -------------------------------------------------------------------------------------------- timing -- */
 
 static sv_status timing_enable(const sv_plugin *plugin, uint32_t on) {
     hs_guard *guard = hs_guard_of(plugin);

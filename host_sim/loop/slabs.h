@@ -15,8 +15,8 @@ typedef struct hs_slabs hs_slabs;
 size_t hs_slabs_bytes(const hs_slab_layout *layout);
 
 /* Makes the scan converter and the memory of all slabs for `carrier` (SV_CARRIER_*). `fan`: how the plugin is
- * told what was scanned. `gaps`: a ray may leave what was scanned and come back, so beside
- * its range the padding value tells what lies between. `memory`: where the slabs of SV_CARRIER_HOST shall lie
+ * told what was scanned. `gaps`: a ray may leave what was scanned and come back, so beside its range the
+ * padding value tells what lies between. `memory`: where the slabs of SV_CARRIER_HOST shall lie
  * (hs_slabs_bytes, aligned to a page; borrowed), or NULL; a device that shares the host's memory then writes
  * them there without a copy. `cl` must outlive it. NULL with HS_ERR_USAGE (a layout or a size that the device
  * does not take), HS_ERR_DEVICE or HS_ERR_MEMORY. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/fan_fit.h"
+#include "volume/levels.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,12 +42,12 @@ void hs_course_words(const hs_volume *v, char *out, size_t bytes) {
         (void)snprintf(out, bytes, "%s %s", c->kind == HS_BEAMS_PARALLEL ? "parallel," : "unknown;", probe);
 }
 
-enum { DARK = 12, CORNERS = 8, ENOUGH = 4 }; /* levels of noise; corners of an eighth of the sides */
+enum { DARK = 12 }; /* levels of noise */
 
 void hs_course_find_noise(hs_volume *v) {
     const uint32_t n[3] = {v->nx, v->ny, v->nz}, edge[3] = {n[0] / 8, n[1] / 8, n[2] / 8};
     uint32_t found = 0;
-    for (uint32_t corner = 0; corner < CORNERS; corner++) {
+    for (uint32_t corner = 0; corner < HS_CORNERS; corner++) {
         uint8_t least = 255, most = 0;
         for (uint32_t z = 0; z < edge[2]; z++)
             for (uint32_t y = 0; y < edge[1]; y++) {
@@ -60,7 +61,7 @@ void hs_course_find_noise(hs_volume *v) {
             }
         found += least < most && most <= DARK;
     }
-    v->course.noisy = found >= ENOUGH;
+    v->course.noisy = found >= HS_CORNERS_ENOUGH;
 }
 
 void hs_course_question(const hs_volume *v, char *out, size_t bytes) {

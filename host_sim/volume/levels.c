@@ -108,7 +108,7 @@ bool hs_levels_mark_unscanned(const hs_levels *l, hs_volume *volume, hs_error *e
 
 /* ------------------------------------------------------------------------------- the constant outside -- */
 
-enum { MOST_ACROSS = 64, CORNERS = 8, ENOUGH = 4 };
+enum { MOST_ACROSS = 64 };
 
 typedef struct {
     const uint32_t *size;
@@ -116,8 +116,8 @@ typedef struct {
     hs_values_fn read;
     void *context;
     hs_error *err;
-    double value[CORNERS]; /* corner x + 2 y + 4 z: of its first voxel, */
-    bool whole[CORNERS];   /* and whether its block holds nothing else */
+    double value[HS_CORNERS]; /* corner x + 2 y + 4 z: of its first voxel, */
+    bool whole[HS_CORNERS];   /* and whether its block holds nothing else */
 } looking;
 
 /* A row of a block at (x, y, z); *same stays true if it holds *value alone, which `first` sets. */
@@ -153,7 +153,7 @@ static bool is_corner_of(const looking *l, uint32_t corner, double value) {
 
 static uint32_t count_corners(const looking *l, double value) {
     uint32_t count = 0;
-    for (uint32_t c = 0; c < CORNERS; c++) count += is_corner_of(l, c, value);
+    for (uint32_t c = 0; c < HS_CORNERS; c++) count += is_corner_of(l, c, value);
     return count;
 }
 
@@ -175,14 +175,14 @@ static bool read_middle(const looking *l, int axis, uint32_t side, double value,
 static bool is_around(const looking *l, double value, bool *around) {
     bool same = true;
     *around = false;
-    if (count_corners(l, value) == CORNERS) {
+    if (count_corners(l, value) == HS_CORNERS) {
         if (!read_middle(l, 3, 0, value, &same)) return false;
         return (*around = !same), true;
     }
     for (int axis = 0; axis < 3; axis++)
         for (uint32_t side = 0; side < 2; side++) {
             bool all = true;
-            for (uint32_t c = 0; c < CORNERS; c++)
+            for (uint32_t c = 0; c < HS_CORNERS; c++)
                 all = all && ((c >> axis & 1u) != side || is_corner_of(l, c, value));
             if (!all) continue;
             if (!read_middle(l, axis, side, value, &same)) return false;
@@ -200,12 +200,12 @@ bool hs_levels_find_outside(hs_levels *l, const uint32_t size[3], bool zero, hs_
     }
     bool any = false;
     if (!read_corners(&at, 0)) return false;
-    for (uint32_t c = 0; c < ENOUGH; c++) any = any || (at.whole[c] && !(zero && at.value[c] == 0.0));
+    for (uint32_t c = 0; c < HS_CORNERS / 2; c++) any |= at.whole[c] && !(zero && at.value[c] == 0.0);
     if (!any) return true; /* the rest of a compressed file need not be inflated */
     if (!read_corners(&at, 1)) return false;
-    for (uint32_t c = 0; c < CORNERS && !l->has_outside; c++) {
+    for (uint32_t c = 0; c < HS_CORNERS && !l->has_outside; c++) {
         const double value = at.value[c];
-        if (!at.whole[c] || (zero && value == 0.0) || count_corners(&at, value) < ENOUGH) continue;
+        if (!at.whole[c] || (zero && value == 0.0) || count_corners(&at, value) < HS_CORNERS_ENOUGH) continue;
         if (!is_around(&at, value, &l->has_outside)) return false;
         l->outside = value;
     }

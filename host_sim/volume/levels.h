@@ -44,6 +44,9 @@ void hs_levels_words(const hs_levels *levels, char *out, size_t bytes);
 /* Reads the `count` values from voxel `at` on. */
 typedef bool (*hs_values_fn)(void *context, uint64_t at, size_t count, double *out, hs_error *err);
 
+/* Blocks of an eighth of a volume's sides, and how many of them tell what lies outside a scan. */
+enum { HS_CORNERS = 8, HS_CORNERS_ENOUGH = 4 };
+
 /*
  * Looks for the constant outside the scan: at four corners of the volume or more, blocks of an eighth of its
  * sides hold this one value, and between them is something else, as it is of a fan in its box. With `zero`, a

@@ -10,8 +10,6 @@
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { MAX_PICTURES = 500 };
 
@@ -47,16 +45,13 @@ static bool put_picture(page *p, hs_error *err) {
     hs_picture picture = {0};
     if (p->pictures == MAX_PICTURES) return ++p->left_out;
     (void)snprintf(name, sizeof name, "depthmap_%04u.png", p->pictures++);
-    float *depth = malloc(rays * sizeof *depth);
-    if (!depth) return hs_fail(err, HS_ERR_MEMORY, "%s: no memory", name);
-    memcpy(depth, p->item.data, rays * sizeof *depth);
+    float *depth = (float *)(void *)p->item.data; /* the reader's, until its next item */
     for (size_t i = 0; mm && i < rays; i++) depth[i] *= f->spacing_mm[2];
     const hs_caption caption = {.footer = mm ? NULL : "The host told no spacing: depths are in slices."};
     const bool ok = hs_path_join(p->folder, name, path, sizeof path, err) &&
                     hs_picture_depthmap(&picture, depth, f->width, f->height, &caption, err) &&
                     hs_picture_save(&picture, path, err);
     hs_picture_free(&picture);
-    free(depth);
     (void)fprintf(p->out, "<a href=%s><img src=%s alt=\"the depthmap\"></a>\n", name, name);
     return ok;
 }
@@ -116,8 +111,8 @@ bool rp_show(const char *file, const char *folder, hs_error *err) {
         (void)fputs(
             "<!doctype html>\n<meta charset=\"utf-8\">\n<meta name=viewport content=\"width=device-width\">\n"
             "<title>Recording</title>\n<style>:root { color-scheme: light dark; } body { font: 15px/1.4 "
-            "sans-serif; "
-            "max-width: 70rem; margin: 1rem auto; padding: 0 1rem; } img { max-width: 24rem; width: 100%; } "
+            "sans-serif; max-width: 70rem; margin: 1rem auto; padding: 0 1rem; } "
+            "img { max-width: 24rem; width: 100%; } "
             "pre { white-space: pre-wrap; overflow-wrap: anywhere; margin: .2rem 0; } "
             ".bad { border-left: .3rem solid #c33; padding-left: .5rem; }</style>\n",
             p.out);
