@@ -110,8 +110,9 @@ static bool read_kind(const hs_json *value, hs_scene_spec *spec) {
 static void set_defaults(hs_scene_spec *spec) {
     memset(spec, 0, sizeof *spec);
     spec->extent_mm = 120.0f;
-    spec->frequency_mhz = 4.0f;
+    spec->frequency_mhz = 3.5f;
     spec->dynamic_range_db = 60.0f;
+    spec->gain_db = 8.0f;
     spec->specular_db = 6.0f;
     spec->specular_power = 2.0f;
     spec->sac.roughness_scale_mm = 40.0f;

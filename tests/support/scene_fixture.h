@@ -15,7 +15,7 @@ extern const char *const scene_cases[SCENE_CASES];
 
 /* The smallest scene file there is: a sac and nothing else. */
 #define EMPTY_SCENE                                                                                          \
-    "{ \"name\": \"t\", \"title\": \"t\", \"seed\": 1,\n"                                                    \
+    "{ \"name\": \"t\", \"title\": \"t\", \"seed\": 1, \"display\": { \"gain_db\": 0 },\n"                   \
     "  \"sac\": { \"centre_mm\": [60, 60, 60], \"radii_mm\": [40, 40, 40] },\n"                              \
     "  \"structures\": [],\n"                                                                                \
     "  \"artefacts\": [] }\n"
