@@ -211,6 +211,10 @@ static void add_rows(const sv_wall_layout *l, const layer_t *layer, const strip_
             *to = fresh ? sum[r] : *to + sum[r];
         }
     }
+    for (uint r = 0; r < 2; r++) { /* long before store_beside loads them with their neighbours */
+        sums[r][-1] = sums[r][0];
+        sums[r][l->width] = sums[r][l->width - 1];
+    }
 }
 
 /* Adds slices to the rows' sums. `fresh`: the first slice is the first of its layer. */
