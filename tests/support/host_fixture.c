@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/host_fixture.h"
 
+#include <math.h>
+
 uint32_t test_next(test_random *random) {
     random->state ^= random->state << 13;
     random->state ^= random->state >> 17;
@@ -12,8 +14,10 @@ double test_uniform(test_random *random, double low, double high) {
     return low + (high - low) * ((double)test_next(random) / 4294967295.0);
 }
 
-static uint8_t test_voxel(test_random *random, int pattern, uint32_t x, uint32_t y, uint32_t z) {
-    uint32_t noise = test_next(random);
+static uint8_t test_voxel(test_random *random, int pattern, const uint32_t n[3], uint32_t x, uint32_t y,
+                          uint32_t z) {
+    const uint32_t noise = test_next(random);
+    const double off = hypot(x - 0.5 * n[0], y - 0.5 * n[1]);
     switch (pattern) {
     case TEST_NOISE:
         return (uint8_t)(noise >> 24);
@@ -27,6 +31,10 @@ static uint8_t test_voxel(test_random *random, int pattern, uint32_t x, uint32_t
         return x % 8 == 0 && y % 8 == 0 && z % 8 == 0 && noise % 3 == 0 ? 255 : 0;
     case TEST_CHECKER:
         return (x + y + z) % 2 ? 255 : 0;
+    case TEST_FAN:
+        return off < 5.0 + 0.5 * z && hypot(off, z) < n[2] ? (uint8_t)(1 + noise % 255) : 0;
+    case TEST_CORNER:
+        return x + 12 > n[0] && y + 12 > n[1] && z + 12 > n[2] ? (uint8_t)(1 + noise % 255) : 0;
     default:
         return 0;
     }
@@ -51,7 +59,7 @@ hs_volume test_volume(test_random *random, int pattern, const uint32_t size[3], 
     uint8_t *voxel = volume.voxels;
     for (uint32_t z = 0; z < size[2]; z++) {
         for (uint32_t y = 0; y < size[1]; y++) {
-            for (uint32_t x = 0; x < size[0]; x++) *voxel++ = test_voxel(random, pattern, x, y, z);
+            for (uint32_t x = 0; x < size[0]; x++) *voxel++ = test_voxel(random, pattern, size, x, y, z);
         }
     }
     return volume;

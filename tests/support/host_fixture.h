@@ -19,8 +19,19 @@ uint32_t test_next(test_random *random);
 /* Uniform in low .. high. */
 double test_uniform(test_random *random, double low, double high);
 
-/* Patterns. TEST_DOTS: single voxels on the seams between the renderer's bricks. */
-enum { TEST_NOISE, TEST_SPARSE, TEST_SMOOTH, TEST_FULL, TEST_EMPTY, TEST_CHECKER, TEST_DOTS };
+/* Patterns. TEST_DOTS: single voxels on the seams between the renderer's bricks. What TEST_FAN and
+ * TEST_CORNER do not hold was not scanned. */
+enum {
+    TEST_NOISE,
+    TEST_SPARSE,
+    TEST_SMOOTH,
+    TEST_FULL,
+    TEST_EMPTY,
+    TEST_CHECKER,
+    TEST_DOTS,
+    TEST_FAN,
+    TEST_CORNER
+};
 
 /* What the volume points at is given back when the test ends, and not by hs_volume_free. */
 void keep_volume(const hs_volume *volume);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Scan conversion against its scalar definition, and its slabs: any split, tiling, pitch and offset. */
+/* Scan conversion against its scalar definition, its slabs (any split, tiling, pitch and offset), and the
+ * scanned range of every ray: the first and the last voxel that is not 0, however little of the slabs is
+ * looked at. */
 #include "support/host_fixture.h"
 #include "support/ref_dvr.h"
 #include "support/ref_scan_convert.h"
@@ -36,6 +38,11 @@ static const convert_case cases[] = {
     {{66, 41, 52}, {0.8, 0.8, 0.8}, 89.0, 3.0, TEST_NOISE, {27, 27, 29}},
     {{60, 60, 62}, {0.625, 0.625, 0.625}, 0.0, 0.0, TEST_NOISE, {38, 38, 39}},
     {{70, 66, 69}, {1.0, 1.0, 1.0}, 33.0, 12.0, TEST_SPARSE, {41, 41, 41}},
+    {{64, 64, 64}, {0.5, 0.5, 0.55}, 30.0, 20.0, TEST_FAN, {27, 27, 27}},
+    {{41, 70, 53}, {0.5, 0.5, 0.55}, 45.0, 35.0, TEST_FAN, {51, 51, 49}},
+    {{90, 33, 20}, {0.5, 0.5, 0.55}, -20.0, 80.0, TEST_FAN, {27, 27, 18}},
+    {{64, 64, 64}, {0.5, 0.5, 0.55}, 137.0, -61.0, TEST_CORNER, {33, 33, 30}},
+    {{41, 70, 53}, {0.5, 0.5, 0.55}, 180.0, 3.0, TEST_CORNER, {21, 21, 18}},
 };
 #define CASES (sizeof cases / sizeof cases[0])
 
@@ -49,6 +56,20 @@ static hs_volume make_case(const convert_case *c, uint32_t seed, hs_camera *came
     hs_volume volume = test_volume(&random, c->pattern, c->size, c->spacing);
     hs_camera_look(camera, &volume, c->yaw, c->pitch);
     return volume;
+}
+
+/* Of slices one behind the other, as plain_layout has them. */
+static void check_ranges(const hs_slab_layout *l, const uint8_t *voxels, const cl_ushort2 *ranges,
+                         size_t index) {
+    const size_t rays = (size_t)l->width * l->height;
+    for (size_t ray = 0; ray < rays; ray++) {
+        uint32_t first = 0, end = l->slices;
+        while (first < end && voxels[first * rays + ray] == 0) first++;
+        while (first < end && voxels[(end - 1) * rays + ray] == 0) end--;
+        if (ranges[ray].s[0] != first || ranges[ray].s[1] != end)
+            fail_msg("case %zu, ray %zu: scanned %u .. %u, expected %u .. %u", index, ray, ranges[ray].s[0],
+                     ranges[ray].s[1], first, end);
+    }
 }
 
 /*
@@ -66,8 +87,10 @@ static void check_against_reference(const hs_cl *cl, size_t index) {
     hs_volume volume = make_case(c, (uint32_t)(31 + index), &camera);
     const hs_slab_layout layout = plain_layout(c->lowres);
     const size_t count = (size_t)layout.width * layout.height * layout.slices;
-    uint8_t *out = test_convert(cl, &volume, &camera, &layout, 0, count).voxels;
+    const test_slabs made = test_convert(cl, &volume, &camera, &layout, 0, count);
+    const uint8_t *out = made.voxels;
     int grid[3];
+    check_ranges(&layout, out, made.ranges, index);
     const ref_way way = ref_grid(&volume, &camera, &layout, grid);
     size_t close = 0;
     for (size_t i = 0; i < count; i++) {
@@ -159,7 +182,9 @@ static void check_layout_case(const hs_cl *cl, size_t index, const hs_slab_layou
     const size_t count = (size_t)plain.width * plain.height * plain.slices;
     uint8_t *expected = test_convert(cl, &volume, &camera, &plain, 0, count).voxels;
     const size_t stride = hs_slab_bytes(l, l->slab_slices) + 13; /* 13 bytes nobody may touch */
-    uint8_t *out = test_convert(cl, &volume, &camera, l, offset, stride).voxels;
+    const test_slabs made = test_convert(cl, &volume, &camera, l, offset, stride);
+    const uint8_t *out = made.voxels;
+    if (made.ranges) check_ranges(l, expected, made.ranges, index);
     const size_t bytes = offset + stride * hs_slab_count(l);
     uint8_t *want = unit_memory(bytes);
     memset(want, TEST_GUARD, bytes);
@@ -183,7 +208,7 @@ static void check_layout_case(const hs_cl *cl, size_t index, const hs_slab_layou
 
 /* Every split into slabs and every tiling holds the same voxels, and nothing else is written. */
 static void test_layouts(void **state) {
-    const size_t chosen[] = {0, 1, 2, 5, 7, 9};
+    const size_t chosen[] = {0, 1, 2, 5, 7, 9, 19, 22};
     for (size_t i = 0; i < sizeof chosen / sizeof chosen[0]; i++) {
         const uint32_t *n = cases[chosen[i]].lowres;
         const hs_slab_layout layouts[] = {
