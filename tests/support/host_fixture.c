@@ -3,20 +3,13 @@
 
 #include <math.h>
 
-uint32_t test_next(test_random *random) {
-    random->state ^= random->state << 13;
-    random->state ^= random->state >> 17;
-    random->state ^= random->state << 5;
-    return random->state;
-}
-
 double test_uniform(test_random *random, double low, double high) {
-    return low + (high - low) * ((double)test_next(random) / 4294967295.0);
+    return low + (high - low) * ((double)unit_random(&random->state) / 4294967295.0);
 }
 
 static uint8_t test_voxel(test_random *random, int pattern, const uint32_t n[3], uint32_t x, uint32_t y,
                           uint32_t z) {
-    const uint32_t noise = test_next(random);
+    const uint32_t noise = unit_random(&random->state);
     const double off = hypot(x - 0.5 * n[0], y - 0.5 * n[1]);
     switch (pattern) {
     case TEST_NOISE:

@@ -13,9 +13,6 @@ typedef struct {
     uint32_t state;
 } test_random;
 
-/* The next of the numbers; state must not be 0. */
-uint32_t test_next(test_random *random);
-
 /* Uniform in low .. high. */
 double test_uniform(test_random *random, double low, double high);
 

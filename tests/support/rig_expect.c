@@ -76,13 +76,6 @@ rig_expected rig_expect(const sv_ref_volume *volume, const rig_settings *s, bool
     return e;
 }
 
-static uint32_t next_random(uint32_t *state) {
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    return *state;
-}
-
 static uint8_t voxel(rig_kind kind, uint32_t x, uint32_t y, uint32_t z, uint32_t slices, uint32_t random) {
     static const uint8_t extremes[] = {0, 1, 39, 40, 41, 42, 254, 255};
     const uint32_t noise = random >> 24;
@@ -111,7 +104,7 @@ uint8_t *rig_volume(rig_kind kind, uint32_t width, uint32_t height, uint32_t sli
     for (uint32_t z = 0; z < slices; z++)
         for (uint32_t y = 0; y < height; y++)
             for (uint32_t x = 0; x < width; x++)
-                v[((size_t)z * height + y) * width + x] = voxel(kind, x, y, z, slices, next_random(&state));
+                v[((size_t)z * height + y) * width + x] = voxel(kind, x, y, z, slices, unit_random(&state));
     return v;
 }
 

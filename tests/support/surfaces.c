@@ -43,9 +43,9 @@ surface_points surface_scattered(uint32_t width, uint32_t height, uint32_t slice
     surface_points p = surface_points_make(width, height, slices);
     uint32_t random = seed * 2654435761u + 1;
     for (uint32_t n = 0; n < count; n++) {
-        const uint32_t x = surface_random(&random) % width, y = surface_random(&random) % height;
-        const uint32_t far_end = 1 + surface_random(&random) % (slices - 1);
-        surface_put(&p, x, y, surface_random(&random) % far_end, far_end);
+        const uint32_t x = unit_random(&random) % width, y = unit_random(&random) % height;
+        const uint32_t far_end = 1 + unit_random(&random) % (slices - 1);
+        surface_put(&p, x, y, unit_random(&random) % far_end, far_end);
     }
     return p;
 }
@@ -56,8 +56,8 @@ surface_points surface_patches(uint32_t width, uint32_t height, uint32_t slices,
     const double radius = sqrt(0.03 * width * height / (PATCHES * 3.14159265));
     uint32_t random = seed * 2654435761u + 1;
     for (int n = 0; n < PATCHES; n++) {
-        const double x0 = surface_random(&random) % width, y0 = surface_random(&random) % height;
-        const double middle = 0.35 * slices + surface_random(&random) % (slices / 2);
+        const double x0 = unit_random(&random) % width, y0 = unit_random(&random) % height;
+        const double middle = 0.35 * slices + unit_random(&random) % (slices / 2);
         for (uint32_t y = 0; y < height; y++)
             for (uint32_t x = 0; x < width; x++) {
                 const double dx = (x - x0) / radius, dy = (y - y0) / radius;
@@ -196,11 +196,4 @@ double surface_bound(const surface_chain *chain, const surface_points *points) {
                               .settings = &settings};
     const sv_ref_device device = {.slices = points->slices, .substeps = 1, .doubles = !chain->float32};
     return sv_ref_bound(sv_ref_method_of((uint32_t)chain->method), &task, &device);
-}
-
-uint32_t surface_random(uint32_t *state) {
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    return *state;
 }

@@ -74,7 +74,4 @@ void surface_check_points(const rig_result *out, const surface_points *points, i
 /* The method's own bound, on a device with float64 unless the chain says float32. */
 double surface_bound(const surface_chain *chain, const surface_points *points);
 
-/* Deterministic numbers: xorshift, 32 bits. */
-uint32_t surface_random(uint32_t *state);
-
 #endif

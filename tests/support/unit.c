@@ -44,3 +44,10 @@ int unit_end(void **state) {
     unit_return(first_of_test);
     return 0;
 }
+
+uint32_t unit_random(uint32_t *state) {
+    *state ^= *state << 13;
+    *state ^= *state >> 17;
+    *state ^= *state << 5;
+    return *state;
+}

@@ -30,6 +30,9 @@ void unit_return(const void *mark);
 int unit_begin(void **state);
 int unit_end(void **state);
 
+/* Deterministic numbers: xorshift, 32 bits. The state must not be 0. */
+uint32_t unit_random(uint32_t *state);
+
 /* Fails unless the error has this code, and words of its text are these. */
 #define unit_told(err, expected, words)                                                                      \
     do {                                                                                                     \

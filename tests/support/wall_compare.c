@@ -186,12 +186,12 @@ uint8_t *wall_layered_noise(uint32_t width, uint32_t height, uint32_t slices, ui
             (uint32_t)(i % width / patch_side * 7919 + i / width / patch_side * 104729 + seed + 1) *
             2654435761u;
         if (patch == 0) patch = 1;
-        for (uint32_t n = 0; n < 4; n++) (void)surface_random(&patch);
-        for (uint32_t z = 0, layer = surface_random(&patch) % 2; z < slices; layer++) {
+        for (uint32_t n = 0; n < 4; n++) (void)unit_random(&patch);
+        for (uint32_t z = 0, layer = unit_random(&patch) % 2; z < slices; layer++) {
             const uint8_t level = levels[layer % 6];
-            const uint32_t length = 1 + surface_random(&patch) % longest + surface_random(&own) % 3;
+            const uint32_t length = 1 + unit_random(&patch) % longest + unit_random(&own) % 3;
             for (uint32_t n = 0; n < length && z < slices; n++, z++)
-                volume[z * plane + i] = (uint8_t)(level + surface_random(&own) % (level / 4 + 1));
+                volume[z * plane + i] = (uint8_t)(level + unit_random(&own) % (level / 4 + 1));
         }
     }
     return volume;

@@ -91,7 +91,7 @@ static hs_volume make_volume(bool fan) {
     for (uint32_t i = 0; i < SIZE * SIZE * SIZE; i++) {
         const double x = i % SIZE - 0.5 * (SIZE - 1), z = i / (SIZE * SIZE);
         const bool scanned = !fan || fabs(x) < 0.25 * SIZE + 0.25 * z;
-        const uint32_t noise = test_next(&random) % (SPREAD + 1);
+        const uint32_t noise = unit_random(&random.state) % (SPREAD + 1);
         v.voxels[i] = (uint8_t)(scanned ? 70 + noise : 0);
     }
     return v;

@@ -72,7 +72,8 @@ static void quick_way_is_the_direct_one(void **state) {
     hs_eval_space space = make_space(r);
     if (!hs_eval_space_run(&space, &r->c, NULL, &err)) fail_msg("%s", err.text);
     for (int n = 0; n < 60; n++) {
-        const uint32_t item = test_next(&random) % space.items, q = test_next(&random) % r->plan.knob.count;
+        const uint32_t item = unit_random(&random.state) % space.items,
+                       q = unit_random(&random.state) % r->plan.knob.count;
         const hs_measures *quick = &space.at[item * r->plan.knob.count + q];
         hs_eval_values values;
         hs_measures direct;

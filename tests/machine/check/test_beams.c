@@ -69,8 +69,9 @@ static hs_volume make_volume(const geometry *g, double spacing, double (*field)(
         double place[3];
         ref_beams_place(b, (uint32_t)(n % b->samples), (uint32_t)(n / b->samples % b->lines),
                         (uint32_t)(n / b->samples / b->lines), place);
-        b->voxels[n] = (uint8_t)(field ? lrint(field(place))
-                                       : (int)(test_next(&random) % 4 ? test_next(&random) % 256 : 0));
+        b->voxels[n] =
+            (uint8_t)(field ? lrint(field(place))
+                            : (int)(unit_random(&random.state) % 4 ? unit_random(&random.state) % 256 : 0));
     }
     if (!hs_beams_cartesian_init(&volume, b, spacing, &err)) fail_msg("%s", err.text);
     hs_beams_cartesian_fill(&volume);

@@ -116,7 +116,7 @@ static void make(filter *f, rig *r, const float *depth, const uint8_t *status, u
 
 /* A layer 10^4 slices deep whose points differ by hundredths of a slice from pixel to pixel. */
 static double deep(uint32_t x, uint32_t y, uint32_t *random) {
-    return 1e4 + 20.0 * sin(x / 40.0) * cos(y / 55.0) + 0.01 * (surface_random(random) % 10);
+    return 1e4 + 20.0 * sin(x / 40.0) * cos(y / 55.0) + 0.01 * (unit_random(random) % 10);
 }
 
 static void check(rig *r, const surface_points *p, const char *what) {

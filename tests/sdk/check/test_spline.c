@@ -19,10 +19,10 @@ static surface_points hill(uint32_t width, uint32_t height, uint32_t count, uint
     surface_points p = surface_points_make(width, height, 80);
     uint32_t random = seed * 2654435761u + 1;
     for (uint32_t n = 0; n < count;) {
-        const uint32_t x = surface_random(&random) % width, y = surface_random(&random) % height;
+        const uint32_t x = unit_random(&random) % width, y = unit_random(&random) % height;
         if (p.status[(size_t)y * width + x]) continue;
         const double height_here = 40.0 + 15.0 * sin(x * 0.05) * cos(y * 0.04);
-        const uint32_t far_end = (uint32_t)height_here + surface_random(&random) % 3;
+        const uint32_t far_end = (uint32_t)height_here + unit_random(&random) % 3;
         surface_put(&p, x, y, far_end / 2, far_end);
         n++;
     }
@@ -93,8 +93,7 @@ static void test_reference_solver(void **state) {
     uint32_t random = 4711;
     double norm = 0.0;
     for (int i = 0; i < N; i++)
-        for (int j = 0; j <= i; j++)
-            a[i * N + j] = a[j * N + i] = surface_random(&random) / 4294967296.0 - 0.5;
+        for (int j = 0; j <= i; j++) a[i * N + j] = a[j * N + i] = unit_random(&random) / 4294967296.0 - 0.5;
     for (int i = 0; i < N; i++) {
         double sum = 0.0;
         a[i * N + i] = 0.0; /* what LU without pivoting cannot begin with */

@@ -73,9 +73,9 @@ static sv_scanned *ragged_ranges(uint32_t width, uint32_t height, uint32_t slice
     sv_scanned *ranges = unit_memory((size_t)width * height * sizeof *ranges);
     uint32_t random = seed * 2654435761u + 1;
     for (size_t i = 0; i < (size_t)width * height; i++) {
-        const uint32_t first = surface_random(&random) % (slices / 8 + 1);
-        const uint32_t end = slices - surface_random(&random) % (slices / 8 + 1);
-        if (surface_random(&random) % 19 > 0) ranges[i] = (sv_scanned){(uint16_t)first, (uint16_t)end};
+        const uint32_t first = unit_random(&random) % (slices / 8 + 1);
+        const uint32_t end = slices - unit_random(&random) % (slices / 8 + 1);
+        if (unit_random(&random) % 19 > 0) ranges[i] = (sv_scanned){(uint16_t)first, (uint16_t)end};
     }
     return ranges;
 }
@@ -126,7 +126,7 @@ static void test_bone_at_once(void **state) {
     for (size_t i = 0; i < plane * s.slices; i++) {
         const size_t x = i % s.width, z = i / plane;
         const int level = x >= 50 || z >= 48 ? 245 : z >= 8 && z < 16 ? 100 : 5;
-        volume[i] = (uint8_t)(level + (int)(surface_random(&random) % 10));
+        volume[i] = (uint8_t)(level + (int)(unit_random(&random) % 10));
     }
     assert_true(wall_compare(*state, &s, volume, "bone at once"));
 }
