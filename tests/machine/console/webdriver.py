@@ -7,6 +7,7 @@ import os
 import shutil
 import socket
 import subprocess
+import sys
 import time
 import urllib.error
 import urllib.request
@@ -18,10 +19,13 @@ PATIENCE = 400  # s: kernels that no cache has, on a machine with much else to d
 
 
 def programs():
-    """(browser, driver), or None where one of them is missing."""
+    """(browser, driver). Where one of them is missing the test ends, as skipped."""
     browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     driver = shutil.which("chromedriver")
-    return (browser, driver) if browser and driver else None
+    if not browser or not driver:
+        print("skipped: no Chromium, or no chromedriver")
+        sys.exit(77)
+    return browser, driver
 
 
 def free_port():
