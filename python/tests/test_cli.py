@@ -176,23 +176,6 @@ def test_what_goes_wrong_is_said_once(tmp_path: Path, image) -> None:
     assert ended.returncode == 6 and "No space left" in ended.stderr and "Traceback" not in ended.stderr
 
 
-def test_a_folder_that_cannot_be_written_is_6(tmp_path: Path, image, monkeypatch, capsys) -> None:
-    path = tmp_path / "head.nrrd"
-    sitk.WriteImage(image, str(path))
-
-    def refuse(*_: object, **__: object) -> None:
-        raise PermissionError(13, "Permission denied")
-
-    for command in ("clip", "batch"):
-        out = tmp_path / command
-        (out / "head_clipped.nrrd").mkdir(parents=True)
-        (out / "rows").write_text("")
-        monkeypatch.setattr(Path, "unlink", refuse)  # as a folder does that may only be read
-        assert main([command, str(path), "--out", str(out), "--write", "clipped"]) == 6
-        monkeypatch.undo()
-        assert str(out) in "".join(capsys.readouterr())
-
-
 @pytest.mark.parametrize(
     ("option", "words"),
     [

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 from conftest import BUILD, LONG, SOURCE, write_dicom
+from test_kretz import wrap
 
 from smartvis.cli import main
 
@@ -74,6 +75,8 @@ HOSTILE = {
         nrrd("space dimension: 3\nspace directions: (1,0,0) (0,1e308,0) (0,0,1)") + VOXELS,
         "spacedirections is '(1,0,0) (0,1e308,0) (0,0,1)'",
     ),
+    "cut.vol": (b"KRETZFILE 1.0   " + bytes(5), "5 bytes are left, an item's header needs 8"),
+    "cut.dcm": (wrap(b"KRETZFILE 1.0   " + bytes(6)), "6 bytes are left, an item's header needs 8"),
     "bomb.nrrd": (nrrd("").replace(b"raw", b"gzip").replace(b"16 16 16", b"2000 1000 1000"), "bytes, the file holds"),
 }
 
@@ -110,7 +113,9 @@ def refused(path: Path, words: str, door: list[str] = CLIP) -> None:
     assert ended.returncode == 3 and words in said and path.name in said and "Traceback" not in said, (command, said)
 
 
-OF_THE_HOST = [n for n in HOSTILE if n[-4:] in (".mha", ".mhd") and n != "invalid.mha"]  # of that it leaves a part out
+OF_THE_HOST = [  # of invalid.mha it leaves a part out
+    n for n in HOSTILE if n.endswith((".mha", ".mhd", ".vol")) and n != "invalid.mha"
+]
 
 
 @pytest.mark.parametrize("name", OF_THE_HOST)
@@ -152,7 +157,7 @@ def clip_names(folder: Path, files: dict[str, tuple[bytes, str]], capsys) -> Non
 
 
 def test_clip_names_them_and_a_batch_of_them_is_a_table(inside: Path, capsys) -> None:
-    for suffixes in ((".mha", ".mhd"), (".nrrd", ".nhdr")):  # some differ in their suffix alone
+    for suffixes in ((".mha", ".mhd"), (".nrrd", ".nhdr"), (".vol",), (".dcm",)):  # some differ in their suffix alone
         clip_names(inside, {name: row for name, row in HOSTILE.items() if name.endswith(suffixes)}, capsys)
     os.mkfifo(inside / "pipe.nrrd")
     assert main(["batch", str(inside), "--out", str(inside / "out"), "--write", "clipped", "--workers", "1"]) == 1
