@@ -16,7 +16,7 @@ bool(hs_json_fail)(const hs_json *at, const char *format, ...) {
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
     return hs_fail(at->file->err, HS_ERR_INPUT, "%s: %s: %s", at->file->path,
-                   at->where[0] ? at->where : "scene", message);
+                   at->where[0] ? at->where : at->file->whole, message);
 }
 
 static const char *found(const json_t *value) {
@@ -78,62 +78,76 @@ void hs_json_element(const hs_json *array, size_t index, hs_json *out) {
 static bool number(const hs_json *v, double min, double max, double *out) {
     if (!json_is_number(v->value)) return hs_json_fail(v, "is %s, expected a number", found(v->value));
     double x = json_number_value(v->value);
-    if (!(x >= min && x <= max)) return hs_json_fail(v, "is %g, expected %g .. %g", x, min, max);
+    if (!(x >= min && x <= max)) return hs_json_fail(v, "is %.16g, expected %.16g .. %.16g", x, min, max);
     *out = x;
     return true;
 }
 
-static bool integer(const hs_json *v, double min, double max, uint64_t *out) {
+static bool integer(const hs_json *v, const hs_json_field *f, uint64_t *out) {
     if (!json_is_integer(v->value)) return hs_json_fail(v, "is %s, expected a whole number", found(v->value));
     double checked;
-    if (!number(v, min, max, &checked)) return false;
+    if (!number(v, f->min, f->max, &checked)) return false;
     *out = (uint64_t)json_integer_value(v->value);
     return true;
 }
 
-static bool vec3(const hs_json *v, double min, double max, float out[3]) {
-    if (!hs_json_is_array(v, 3, 3)) return false;
-    for (size_t i = 0; i < 3; i++) {
+bool hs_json_numbers(const hs_json *v, size_t count, double min, double max, double *out) {
+    if (!hs_json_is_array(v, count, count)) return false;
+    for (size_t i = 0; i < count; i++) {
         hs_json part;
-        double x;
         hs_json_element(v, i, &part);
-        if (!number(&part, min, max, &x)) return false;
-        out[i] = (float)x;
+        if (!number(&part, min, max, &out[i])) return false;
     }
     return true;
 }
 
-static bool text(const hs_json *v, double max, char *out) {
+/* Floats or doubles, one or an array of them. */
+static bool numbers(const hs_json *v, const hs_json_field *f, char *out) {
+    const size_t each = f->kind == HS_FIELD_FLOAT ? sizeof(float) : sizeof(double), count = f->bytes / each;
+    double x[8];
+    if (!(count == 1 ? number(v, f->min, f->max, x) : hs_json_numbers(v, count, f->min, f->max, x)))
+        return false;
+    for (size_t i = 0; i < count; i++) {
+        const float single = (float)x[i];
+        memcpy(out + i * each, f->kind == HS_FIELD_FLOAT ? (const void *)&single : &x[i], each);
+    }
+    return true;
+}
+
+static bool text(const hs_json *v, size_t room, char *out) {
     if (!json_is_string(v->value)) return hs_json_fail(v, "is %s, expected a string", found(v->value));
-    if ((double)json_string_length(v->value) >= max)
-        return hs_json_fail(v, "has %zu bytes, expected less than %g", json_string_length(v->value), max);
-    strcpy(out, json_string_value(v->value));
+    const char *from = json_string_value(v->value);
+    const size_t length = json_string_length(v->value);
+    if (length >= room) return hs_json_fail(v, "has %zu bytes, expected at most %zu", length, room - 1);
+    for (size_t i = 0; i < length; i++)
+        if ((unsigned char)from[i] < 0x20 || from[i] == 0x7f)
+            return hs_json_fail(v, "has a control character");
+    memcpy(out, from, length + 1);
     return true;
 }
 
-static bool tissue(const hs_json *v, hs_tissue *out) {
-    if (!json_is_string(v->value)) return hs_json_fail(v, "is %s, expected a tissue's name", found(v->value));
-    const char *name = json_string_value(v->value);
-    for (int i = 0; i < HS_TISSUE_COUNT; i++)
-        if (strcmp(name, hs_tissue_names[i]) == 0) {
-            *out = (hs_tissue)i;
-            return true;
-        }
-    char names[256] = "";
-    for (int i = 0; i < HS_TISSUE_COUNT; i++) {
-        strcat(names, i ? ", " : "");
-        strcat(names, hs_tissue_names[i]);
+bool hs_json_word(const hs_json *v, const char *const *words, uint32_t count, uint32_t *out) {
+    const char *word = json_string_value(v->value), *quote = word ? "'" : "";
+    char all[256] = "";
+    for (*out = 0; word && *out < count; ++*out)
+        if (strcmp(word, words[*out]) == 0) return true;
+    for (uint32_t i = 0; i < count; i++) {
+        strcat(all, i ? ", " : "");
+        strcat(all, words[i]);
     }
-    return hs_json_fail(v, "is '%.40s', expected one of %s", name, names);
+    return hs_json_fail(v, "is %s%.40s%s, expected one of %s", quote, word ? word : found(v->value), quote,
+                        all);
 }
 
-static bool points(const hs_json *v, double min, double max, hs_points *out) {
+static bool points(const hs_json *v, const hs_json_field *f, hs_points *out) {
     if (!hs_json_is_array(v, 2, HS_SCENE_MAX_POINTS)) return false;
     out->count = (uint32_t)json_array_size(v->value);
     for (uint32_t i = 0; i < out->count; i++) {
         hs_json point;
+        double p[3];
         hs_json_element(v, i, &point);
-        if (!vec3(&point, min, max, out->p[i])) return false;
+        if (!hs_json_numbers(&point, 3, f->min, f->max, p)) return false;
+        for (int a = 0; a < 3; a++) out->p[i][a] = (float)p[a];
     }
     return true;
 }
@@ -141,34 +155,29 @@ static bool points(const hs_json *v, double min, double max, hs_points *out) {
 static bool read_field(const hs_json *v, const hs_json_field *f, void *out) {
     if (f->kind == HS_FIELD_OTHER) return true; /* its reader has it; there may be no `out` */
     char *to = (char *)out + f->offset;
-    double x = 0.0;
     uint64_t n = 0;
-    bool ok;
+    uint32_t word;
     switch (f->kind) {
-    case HS_FIELD_FLOAT:
-        ok = number(v, f->min, f->max, &x);
-        if (ok) *(float *)(void *)to = (float)x;
-        return ok;
     case HS_FIELD_UINT:
-        ok = integer(v, f->min, f->max, &n);
-        if (ok) *(uint32_t *)(void *)to = (uint32_t)n;
-        return ok;
-    case HS_FIELD_SEED:
-        ok = integer(v, f->min, f->max, &n);
-        if (ok) *(uint64_t *)(void *)to = n;
-        return ok;
-    case HS_FIELD_VEC3:
-        return vec3(v, f->min, f->max, (float *)(void *)to);
+        if (!integer(v, f, &n)) return false;
+        *(uint32_t *)(void *)to = (uint32_t)n;
+        return true;
+    case HS_FIELD_WHOLE:
+        return integer(v, f, (uint64_t *)(void *)to);
+    case HS_FIELD_FLAG:
+        *(bool *)(void *)to = json_is_true(v->value);
+        return json_is_boolean(v->value) || hs_json_fail(v, "is %s, expected true or false", found(v->value));
     case HS_FIELD_TEXT:
-        return text(v, f->max, to);
+        return text(v, f->bytes, to);
     case HS_FIELD_TISSUE:
-        return tissue(v, (hs_tissue *)(void *)to);
+        if (!hs_json_word(v, hs_tissue_names, HS_TISSUE_COUNT, &word)) return false;
+        *(hs_tissue *)(void *)to = (hs_tissue)word;
+        return true;
     case HS_FIELD_POINTS:
-        return points(v, f->min, f->max, (hs_points *)(void *)to);
-    case HS_FIELD_OTHER:
-        break;
+        return points(v, f, (hs_points *)(void *)to);
+    default:
+        return numbers(v, f, to);
     }
-    return true;
 }
 
 static bool read_object(const hs_json *object, const hs_json_field *fields, size_t count, bool typed,

@@ -9,9 +9,9 @@
 #include <jansson.h>
 #include <stddef.h>
 
-/* A file that is being read. */
+/* A file, or a message, that is being read. */
 typedef struct {
-    const char *path; /* for messages */
+    const char *path, *whole; /* for messages: where the text is from, and what all of it is called */
     hs_error *err;
 } hs_json_file;
 
@@ -23,21 +23,23 @@ typedef struct {
 } hs_json;
 
 typedef enum {
-    HS_FIELD_FLOAT,  /* float */
+    HS_FIELD_FLOAT,  /* float, or an array of them: as many as the member has, at most 8 */
+    HS_FIELD_DOUBLE, /* the same of double */
     HS_FIELD_UINT,   /* uint32_t */
-    HS_FIELD_SEED,   /* uint64_t */
-    HS_FIELD_VEC3,   /* float[3] */
-    HS_FIELD_TEXT,   /* char[max] */
+    HS_FIELD_WHOLE,  /* uint64_t */
+    HS_FIELD_FLAG,   /* bool */
+    HS_FIELD_TEXT,   /* char[], without control characters */
     HS_FIELD_TISSUE, /* hs_tissue by name */
     HS_FIELD_POINTS, /* hs_points, at least 2 */
     HS_FIELD_OTHER   /* allowed, read by the caller */
 } hs_field_kind;
 
-/* One field: a number is in min .. max. Its destination is `offset` bytes from the start of the struct. */
+/* One field: a number is in min .. max. Its destination is `offset` bytes from the start of the struct, and
+ * has `bytes`. */
 typedef struct {
     const char *key;
     hs_field_kind kind;
-    size_t offset;
+    size_t offset, bytes;
     double min, max;
     bool required;
 } hs_json_field;
@@ -62,17 +64,22 @@ bool hs_json_fail(const hs_json *at, const char *format, ...) __attribute__((for
 /* True for an array of min .. max items; else records what was found. */
 bool hs_json_is_array(const hs_json *value, size_t min, size_t max);
 
+/* An array of `count` numbers in min .. max. */
+bool hs_json_numbers(const hs_json *array, size_t count, double min, double max, double *out);
+
+/* One of `count` words, as its index. */
+bool hs_json_word(const hs_json *value, const char *const *words, uint32_t count, uint32_t *out);
+
 /* The text in the field "type" of an object, and where it stands. False with an error if there is none. */
 bool hs_json_type(const hs_json *object, hs_json *type, const char **name);
 
-/* How the tables of a scene file's fields are written. */
-#define HS_COUNT(a) (sizeof(a) / sizeof((a)[0]))
-#define FIELD(type, member, kind, min, max, required)                                                        \
-    { #member, HS_FIELD_##kind, offsetof(type, member), min, max, required }
+/* How tables of fields are written. */
+#define HS_COUNT(a)                                   (sizeof(a) / sizeof((a)[0]))
+#define FIELD(type, member, kind, min, max, required) NAMED(#member, type, member, kind, min, max, required)
 #define NAMED(key, type, member, kind, min, max, required)                                                   \
-    { key, HS_FIELD_##kind, offsetof(type, member), min, max, required }
+    { key, HS_FIELD_##kind, offsetof(type, member), sizeof((type *)NULL)->member, min, max, required }
 #define OTHER(key, required)                                                                                 \
-    { key, HS_FIELD_OTHER, 0, 0, 0, required }
+    { key, HS_FIELD_OTHER, 0, 0, 0, 0, required }
 
 /* The arrays "artefacts" and "structures" (docs/scenes.md has their fields). HS_ERR_INPUT names file and
  * field. */

@@ -38,7 +38,7 @@ static const hs_json_field far_band_fields[] = {
     FIELD(hs_far_band_spec, gap_mm, FLOAT, 0, 20, true),
     FIELD(hs_far_band_spec, thickness_mm, FLOAT, 0.1, 20, true),
     FIELD(hs_far_band_spec, level_db, FLOAT, -60, 20, true),
-    FIELD(hs_far_band_spec, direction, VEC3, -1, 1, true),
+    FIELD(hs_far_band_spec, direction, FLOAT, -1, 1, true),
     FIELD(hs_far_band_spec, angle_deg, FLOAT, 1, 180, true),
 };
 static const hs_json_field speckle_fields[] = {
@@ -117,9 +117,9 @@ bool hs_scene_read_artefacts(const hs_json *array, hs_scene_spec *spec) {
 
 static const hs_json_field occluder_fields[] = {
     FIELD(hs_occluder_spec, tissue, TISSUE, 0, 0, true),
-    NAMED("centre_mm", hs_occluder_spec, centre, VEC3, -400, 800, true),
-    NAMED("radii_mm", hs_occluder_spec, radii, VEC3, 0.2, 400, true),
-    NAMED("rotation_deg", hs_occluder_spec, rotation, VEC3, -360, 360, false),
+    NAMED("centre_mm", hs_occluder_spec, centre, FLOAT, -400, 800, true),
+    NAMED("radii_mm", hs_occluder_spec, radii, FLOAT, 0.2, 400, true),
+    NAMED("rotation_deg", hs_occluder_spec, rotation, FLOAT, -360, 360, false),
     FIELD(hs_occluder_spec, blend_mm, FLOAT, 0, 50, false),
     FIELD(hs_occluder_spec, echo_db, FLOAT, -40, 20, false),
     FIELD(hs_occluder_spec, soft_mm, FLOAT, 0, 20, false),
@@ -133,27 +133,27 @@ static const hs_json_field cord_fields[] = {
 };
 
 static const hs_json_field cloud_fields[] = {
-    NAMED("centre_mm", hs_cloud_spec, centre, VEC3, -400, 800, true),
-    NAMED("radii_mm", hs_cloud_spec, radii, VEC3, 0.5, 400, true),
+    NAMED("centre_mm", hs_cloud_spec, centre, FLOAT, -400, 800, true),
+    NAMED("radii_mm", hs_cloud_spec, radii, FLOAT, 0.5, 400, true),
     FIELD(hs_cloud_spec, count, UINT, 1, 1000, true),
     FIELD(hs_cloud_spec, particle_min_mm, FLOAT, 0.1, 20, true),
     FIELD(hs_cloud_spec, particle_max_mm, FLOAT, 0.1, 20, true),
 };
 
 static const hs_json_field fetus_fields[] = {
-    NAMED("position_mm", hs_fetus_spec, position, VEC3, -400, 800, true),
-    NAMED("rotation_deg", hs_fetus_spec, rotation, VEC3, -360, 360, false),
+    NAMED("position_mm", hs_fetus_spec, position, FLOAT, -400, 800, true),
+    NAMED("rotation_deg", hs_fetus_spec, rotation, FLOAT, -360, 360, false),
     FIELD(hs_fetus_spec, scale, FLOAT, 0.1, 5, false),
     FIELD(hs_fetus_spec, gap_mm, FLOAT, -20, 60, false),
-    NAMED("head_turn_deg", hs_fetus_spec, pose.head_turn_deg, VEC3, -180, 180, false),
-    NAMED("right_elbow", hs_fetus_spec, pose.elbow[0], VEC3, -100, 100, false),
-    NAMED("left_elbow", hs_fetus_spec, pose.elbow[1], VEC3, -100, 100, false),
-    NAMED("right_hand", hs_fetus_spec, pose.hand[0], VEC3, -100, 100, false),
-    NAMED("left_hand", hs_fetus_spec, pose.hand[1], VEC3, -100, 100, false),
-    NAMED("right_knee", hs_fetus_spec, pose.knee[0], VEC3, -100, 100, false),
-    NAMED("left_knee", hs_fetus_spec, pose.knee[1], VEC3, -100, 100, false),
-    NAMED("right_ankle", hs_fetus_spec, pose.ankle[0], VEC3, -100, 100, false),
-    NAMED("left_ankle", hs_fetus_spec, pose.ankle[1], VEC3, -100, 100, false),
+    NAMED("head_turn_deg", hs_fetus_spec, pose.head_turn_deg, FLOAT, -180, 180, false),
+    NAMED("right_elbow", hs_fetus_spec, pose.elbow[0], FLOAT, -100, 100, false),
+    NAMED("left_elbow", hs_fetus_spec, pose.elbow[1], FLOAT, -100, 100, false),
+    NAMED("right_hand", hs_fetus_spec, pose.hand[0], FLOAT, -100, 100, false),
+    NAMED("left_hand", hs_fetus_spec, pose.hand[1], FLOAT, -100, 100, false),
+    NAMED("right_knee", hs_fetus_spec, pose.knee[0], FLOAT, -100, 100, false),
+    NAMED("left_knee", hs_fetus_spec, pose.knee[1], FLOAT, -100, 100, false),
+    NAMED("right_ankle", hs_fetus_spec, pose.ankle[0], FLOAT, -100, 100, false),
+    NAMED("left_ankle", hs_fetus_spec, pose.ankle[1], FLOAT, -100, 100, false),
 };
 
 static const hs_json_field nuchal_fields[] = {
@@ -165,9 +165,9 @@ static const hs_json_field nuchal_fields[] = {
 };
 
 static const hs_json_field bladder_fields[] = {
-    NAMED("centre_mm", hs_bladder_spec, centre, VEC3, -400, 800, true),
-    NAMED("radii_mm", hs_bladder_spec, radii, VEC3, 1, 400, true),
-    NAMED("rotation_deg", hs_bladder_spec, rotation, VEC3, -360, 360, false),
+    NAMED("centre_mm", hs_bladder_spec, centre, FLOAT, -400, 800, true),
+    NAMED("radii_mm", hs_bladder_spec, radii, FLOAT, 1, 400, true),
+    NAMED("rotation_deg", hs_bladder_spec, rotation, FLOAT, -360, 360, false),
     FIELD(hs_bladder_spec, wall_mm, FLOAT, 0.2, 20, false),
 };
 

@@ -13,9 +13,9 @@ static const hs_json_field top_fields[] = {
     FIELD(hs_scene_spec, name, TEXT, 0, 64, true),
     FIELD(hs_scene_spec, title, TEXT, 0, 512, true),
     OTHER("kind", false),
-    FIELD(hs_scene_spec, seed, SEED, 1, 9e15, true),
+    FIELD(hs_scene_spec, seed, WHOLE, 1, 9e15, true),
     FIELD(hs_scene_spec, extent_mm, FLOAT, 20, 400, false),
-    FIELD(hs_scene_spec, camera_deg, VEC3, -360, 360, false),
+    FIELD(hs_scene_spec, camera_deg, FLOAT, -360, 360, false),
     FIELD(hs_scene_spec, lead_mm, FLOAT, 0, 200, false),
     FIELD(hs_scene_spec, frequency_mhz, FLOAT, 0.5, 20, false),
     OTHER("display", false),
@@ -42,18 +42,18 @@ static const hs_json_field tissue_fields[] = {
 };
 
 static const hs_json_field sac_fields[] = {
-    NAMED("centre_mm", hs_sac_spec, centre, VEC3, -400, 800, true),
-    NAMED("radii_mm", hs_sac_spec, radii, VEC3, 1, 400, true),
-    NAMED("rotation_deg", hs_sac_spec, rotation, VEC3, -360, 360, false),
+    NAMED("centre_mm", hs_sac_spec, centre, FLOAT, -400, 800, true),
+    NAMED("radii_mm", hs_sac_spec, radii, FLOAT, 1, 400, true),
+    NAMED("rotation_deg", hs_sac_spec, rotation, FLOAT, -360, 360, false),
     FIELD(hs_sac_spec, roughness_mm, FLOAT, 0, 20, false),
     FIELD(hs_sac_spec, roughness_scale_mm, FLOAT, 1, 400, false),
 };
 
 static const hs_json_field motion_fields[] = {
     FIELD(hs_motion_spec, period_frames, FLOAT, 2, 100000, true),
-    FIELD(hs_motion_spec, drift_mm, VEC3, -50, 50, false),
+    FIELD(hs_motion_spec, drift_mm, FLOAT, -50, 50, false),
     FIELD(hs_motion_spec, limb_mm, FLOAT, 0, 20, false),
-    FIELD(hs_motion_spec, cloud_drift_mm, VEC3, -50, 50, false),
+    FIELD(hs_motion_spec, cloud_drift_mm, FLOAT, -50, 50, false),
 };
 
 static bool read_tissues(const hs_json *object, hs_scene_spec *spec) {
@@ -101,10 +101,11 @@ static bool read_layers(const hs_json *object, hs_layers_spec *layers) {
 }
 
 static bool read_kind(const hs_json *value, hs_scene_spec *spec) {
-    const char *kind = json_string_value(value->value);
-    spec->real = kind && strcmp(kind, "real") == 0;
-    if (kind && (spec->real || strcmp(kind, "synthetic") == 0)) return true;
-    return hs_json_fail(value, "is '%.40s', expected synthetic or real", kind ? kind : "not a string");
+    static const char *const kinds[] = {"synthetic", "real"};
+    uint32_t kind;
+    const bool ok = hs_json_word(value, kinds, 2, &kind);
+    spec->real = kind == 1;
+    return ok;
 }
 
 static void set_defaults(hs_scene_spec *spec) {
@@ -127,13 +128,9 @@ static void set_defaults(hs_scene_spec *spec) {
 /* The name becomes part of file names. */
 static bool check_name(const hs_json *root, const char *name) {
     hs_json at;
-    bool fits = name[0] != '\0' && name[0] != '.';
-    for (const char *c = name; *c; c++) fits = fits && *c != '/' && (unsigned char)*c >= 0x20 && *c != 0x7f;
-    return fits || (hs_json_member(root, "name", &at) &&
-                    hs_json_fail(&at,
-                                 "is '%.63s', expected a part of a file's name: no '/', no '.' in front, no "
-                                 "control characters",
-                                 name));
+    return (name[0] != '\0' && name[0] != '.' && !strchr(name, '/')) ||
+           (hs_json_member(root, "name", &at) &&
+            hs_json_fail(&at, "is '%.63s', expected a part of a file's name: no '/', no '.' in front", name));
 }
 
 static bool read_scene(const hs_json *root, hs_scene_spec *spec) {
@@ -171,7 +168,7 @@ bool hs_scene_read_text(const char *path, const char *text, hs_scene_spec *spec,
     if (!value)
         return hs_fail(err, HS_ERR_INPUT, "%s:%d: column %d: not JSON: %s", path, bad.line, bad.column,
                        bad.text);
-    const hs_json_file file = {path, err};
+    const hs_json_file file = {path, "scene", err};
     const hs_json root = {.file = &file, .value = value};
     bool ok = read_scene(&root, spec);
     json_decref(value);

@@ -1,133 +1,19 @@
 /* SPDX-License-Identifier: MIT */
+/* Messages of a page. The tables are what a message may have: a field that is missing, unknown or out of
+ * range is an error that names it. */
 #include "console/console.h"
 
 #include "scene/scene.h"
+#include "scene/scene_json.h"
 
 #include <jansson.h>
-#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
-/* ---------------------------------------------------------------------------------------------- fields -- */
-/* Fields of a page's message, checked one by one: a field that is missing, unknown or out of range is an
- * error that names it. */
-
-static bool fail(const char *key, const char *what, hs_error *err) {
-    return hs_fail(err, HS_ERR_INPUT, "message: %s: %s", key, what);
-}
-
-/* An object that has these keys and no others; `keys` ends with NULL. `name` is what messages call the
- * object. */
-static bool hs_console_object(const json_t *object, const char *name, const char *const *keys,
-                              hs_error *err) {
-    if (!json_is_object(object)) return fail(name, "expected an object", err);
-    const char *key;
-    json_t *value;
-    json_object_foreach((json_t *)object, key, value) {
-        bool known = false;
-        for (uint32_t i = 0; keys[i] && !known; i++) known = strcmp(key, keys[i]) == 0;
-        if (!known) return hs_fail(err, HS_ERR_INPUT, "message: %s: '%.60s' is no field of it", name, key);
-    }
-    for (uint32_t i = 0; keys[i]; i++)
-        if (!json_object_get(object, keys[i]))
-            return hs_fail(err, HS_ERR_INPUT, "message: %s: '%s' is missing", name, keys[i]);
-    return true;
-}
-
-static bool in_range(const json_t *value, const char *key, double low, double high, double *out,
-                     hs_error *err) {
-    if (!json_is_number(value)) return fail(key, "expected a number", err);
-    *out = json_number_value(value);
-    return (isfinite(*out) && *out >= low && *out <= high) ||
-           hs_fail(err, HS_ERR_INPUT, "message: %s: %g is outside %g .. %g", key, *out, low, high);
-}
-
-/* Member `key`, of the type and in low .. high. */
-static bool hs_console_number(const json_t *object, const char *key, double low, double high, double *out,
-                              hs_error *err) {
-    return in_range(json_object_get(object, key), key, low, high, out, err);
-}
-
-static bool hs_console_float(const json_t *object, const char *key, double low, double high, float *out,
-                             hs_error *err) {
-    double value = 0.0;
-    if (!hs_console_number(object, key, low, high, &value, err)) return false;
-    *out = (float)value;
-    return true;
-}
-
-static bool hs_console_whole(const json_t *object, const char *key, uint64_t low, uint64_t high,
-                             uint64_t *out, hs_error *err) {
-    const json_t *value = json_object_get(object, key);
-    if (!json_is_integer(value)) return fail(key, "expected a whole number", err);
-    const json_int_t number = json_integer_value(value);
-    if (number < 0 || (uint64_t)number < low || (uint64_t)number > high)
-        return hs_fail(err, HS_ERR_INPUT, "message: %s: %lld is outside %llu .. %llu", key, (long long)number,
-                       (unsigned long long)low, (unsigned long long)high);
-    *out = (uint64_t)number;
-    return true;
-}
-
-static bool hs_console_count(const json_t *object, const char *key, uint32_t low, uint32_t high,
-                             uint32_t *out, hs_error *err) {
-    uint64_t value = 0;
-    if (!hs_console_whole(object, key, low, high, &value, err)) return false;
-    *out = (uint32_t)value;
-    return true;
-}
-
-static bool hs_console_flag(const json_t *object, const char *key, bool *out, hs_error *err) {
-    const json_t *value = json_object_get(object, key);
-    *out = json_is_true(value);
-    return json_is_boolean(value) || fail(key, "expected true or false", err);
-}
-
-/* Text of fewer than `bytes` bytes without control characters, copied; and one of `count` words, as its
- * index. */
-static bool hs_console_text(const json_t *object, const char *key, char *out, size_t bytes, hs_error *err) {
-    const json_t *value = json_object_get(object, key);
-    if (!json_is_string(value)) return fail(key, "expected a text", err);
-    const char *text = json_string_value(value);
-    const size_t length = json_string_length(value);
-    if (length >= bytes)
-        return hs_fail(err, HS_ERR_INPUT, "message: %s: %zu bytes, expected at most %zu", key, length,
-                       bytes - 1);
-    for (size_t i = 0; i < length; i++)
-        if ((unsigned char)text[i] < 0x20 || text[i] == 0x7f)
-            return fail(key, "has a control character", err);
-    memcpy(out, text, length + 1);
-    return true;
-}
-
-static bool hs_console_word(const json_t *object, const char *key, const char *const *words, uint32_t count,
-                            uint32_t *out, hs_error *err) {
-    char word[64];
-    if (!hs_console_text(object, key, word, sizeof word, err)) return false;
-    for (*out = 0; *out < count; ++*out)
-        if (strcmp(word, words[*out]) == 0) return true;
-    return hs_fail(err, HS_ERR_INPUT, "message: %s: '%s' is not known", key, word);
-}
-
-/* An array of `count` numbers in low .. high; and the same as a member. */
-static bool numbers_of(const json_t *array, const char *key, uint32_t count, double low, double high,
-                       double *out, hs_error *err) {
-    if (!json_is_array(array) || json_array_size(array) != count)
-        return hs_fail(err, HS_ERR_INPUT, "message: %s: expected %u numbers", key, count);
-    for (uint32_t i = 0; i < count; i++)
-        if (!in_range(json_array_get(array, i), key, low, high, &out[i], err)) return false;
-    return true;
-}
-
-static bool hs_console_numbers(const json_t *object, const char *key, uint32_t count, double low, double high,
-                               double *out, hs_error *err) {
-    return numbers_of(json_object_get(object, key), key, count, low, high, out, err);
-}
-
-/* -------------------------------------------------------------------------------------------- messages -- */
-
-#define MAX_INDEX  1000000u
-#define MAX_DEPTH  8                          /* of objects and arrays; a state has four */
-#define MAX_SERIAL UINT64_C(9007199254740991) /* what a page can count to */
+#define MAX_INDEX                 1000000u
+#define MAX_DEPTH                 8                  /* of objects and arrays; a state has four */
+#define MAX_SERIAL                9007199254740991.0 /* what a page can count to */
+#define READ(object, fields, out) hs_json_read(object, fields, HS_COUNT(fields), out)
 
 static const char *const view_names[HS_CONSOLE_VIEWS] = {"result", "full",  "truth", "depthmap",
                                                          "across", "along", "deep",  "other"};
@@ -136,217 +22,233 @@ const char *hs_console_view_name(hs_console_view view) {
     return view_names[view];
 }
 
+/* A member of an object whose table was read: it is there. */
+static hs_json member(const hs_json *object, const char *key) {
+    hs_json at = {0};
+    (void)hs_json_member(object, key, &at);
+    return at;
+}
+
+static const hs_json_field scene_fields[] = {
+    FIELD(hs_console_source, scene, TEXT, 0, 0, true),
+    FIELD(hs_console_source, size, UINT, 32, 256, true),
+    FIELD(hs_console_source, volumes, UINT, 1, 16, true),
+    OTHER("from", true),
+};
+static const hs_json_field file_fields[] = {
+    FIELD(hs_console_source, folder, UINT, 0, 63, true),
+    FIELD(hs_console_source, path, TEXT, 0, 0, true),
+    OTHER("from", true),
+};
+
 /* A scene by the name of a built-in one: a path would lead anywhere. */
-static bool read_scene(const json_t *object, hs_console_source *source, hs_error *err) {
-    static const char *const keys[] = {"scene", "size", "volumes", "from", NULL};
+static bool is_built_in(const hs_json *at, const char *scene) {
     const char *name;
-    if (!hs_console_object(object, "source", keys, err) ||
-        !hs_console_text(object, "scene", source->scene, sizeof source->scene, err) ||
-        !hs_console_count(object, "size", 32, 256, &source->size, err) ||
-        !hs_console_count(object, "volumes", 1, 16, &source->volumes, err))
-        return false;
     for (int group = 0; group < HS_SCENES_REAL; group++)
         for (uint32_t i = 0; (name = hs_scene_of_group((hs_scene_group)group, i)) != NULL; i++)
-            if (strcmp(name, source->scene) == 0) return true;
-    return hs_fail(err, HS_ERR_INPUT, "message: scene: '%s' is none that is built in", source->scene);
+            if (strcmp(name, scene) == 0) return true;
+    return hs_json_fail(at, "is '%s', expected one that is built in", scene);
 }
 
-static bool read_file(const json_t *object, hs_console_source *source, hs_error *err) {
-    static const char *const keys[] = {"folder", "path", "from", NULL};
-    return hs_console_object(object, "source", keys, err) &&
-           hs_console_count(object, "folder", 0, 63, &source->folder, err) &&
-           hs_console_text(object, "path", source->path, sizeof source->path, err) &&
-           (source->path[0] != '\0' || hs_fail(err, HS_ERR_INPUT, "message: path: is empty"));
-}
-
-static bool read_source(const json_t *object, hs_console_source *source, hs_error *err) {
+static bool read_source(const hs_json *object, hs_console_source *source) {
     const char *places[HS_FROM_COUNT];
-    uint32_t from;
+    uint32_t place;
+    hs_json at;
     for (int i = 0; i < HS_FROM_COUNT; i++) places[i] = hs_from_name((hs_from)i);
-    const bool ok =
-        json_object_get(object, "scene") ? read_scene(object, source, err) : read_file(object, source, err);
-    if (!ok || !hs_console_word(object, "from", places, HS_FROM_COUNT, &from, err)) return false;
-    source->from = (hs_from)from;
+    if (hs_json_member(object, "scene", &at)) {
+        if (!READ(object, scene_fields, source) || !is_built_in(&at, source->scene)) return false;
+    } else {
+        if (!READ(object, file_fields, source)) return false;
+        at = member(object, "path");
+        if (source->path[0] == '\0') return hs_json_fail(&at, "is empty");
+    }
+    at = member(object, "from");
+    if (!hs_json_word(&at, places, HS_FROM_COUNT, &place)) return false;
+    source->from = (hs_from)place;
     return true;
 }
 
-static bool read_camera(const json_t *object, hs_console_state *state, hs_error *err) {
-    static const char *const keys[] = {"yaw", "pitch", "roll", "zoom", NULL};
-    return hs_console_object(object, "camera", keys, err) &&
-           hs_console_number(object, "yaw", -360, 360, &state->yaw, err) &&
-           hs_console_number(object, "pitch", -90, 90, &state->pitch, err) &&
-           hs_console_number(object, "roll", -360, 360, &state->roll, err) &&
-           hs_console_number(object, "zoom", 0.25, 16, &state->zoom, err);
-}
+static const hs_json_field camera_fields[] = {
+    FIELD(hs_console_state, yaw, DOUBLE, -360, 360, true),
+    FIELD(hs_console_state, pitch, DOUBLE, -90, 90, true),
+    FIELD(hs_console_state, roll, DOUBLE, -360, 360, true),
+    FIELD(hs_console_state, zoom, DOUBLE, 0.25, 16, true),
+};
+static const hs_json_field play_fields[] = {
+    NAMED("on", hs_console_state, playing, FLAG, 0, 0, true),
+    FIELD(hs_console_state, speed, DOUBLE, 0.1, 100, true),
+    FIELD(hs_console_state, index, UINT, 0, MAX_INDEX, true),
+};
+static const hs_json_field render_fields[] = {
+    OTHER("look", true),
+    FIELD(hs_dvr_settings, light, FLOAT, -180, 180, true),
+    NAMED("t_low", hs_dvr_settings, threshold_low, FLOAT, 0, 1, true),
+    NAMED("t_high", hs_dvr_settings, threshold_high, FLOAT, 0, 1, true),
+    FIELD(hs_dvr_settings, ghost_width, FLOAT, 0, 256, true),
+    FIELD(hs_dvr_settings, ghost_offset, FLOAT, -256, 256, true),
+    FIELD(hs_dvr_settings, ghost_doubt, FLOAT, 0, (double)HS_DVR_MAX_DOUBT, true),
+    FIELD(hs_dvr_settings, exposure, FLOAT, 0.1, 10, true),
+};
 
-static bool read_play(const json_t *object, hs_console_state *state, hs_error *err) {
-    static const char *const keys[] = {"on", "speed", "index", NULL};
-    return hs_console_object(object, "play", keys, err) &&
-           hs_console_flag(object, "on", &state->playing, err) &&
-           hs_console_number(object, "speed", 0.1, 100, &state->speed, err) &&
-           hs_console_count(object, "index", 0, MAX_INDEX, &state->index, err);
-}
-
-static bool read_render(const json_t *object, hs_dvr_settings *dvr, hs_error *err) {
-    static const char *const keys[] = {"look",         "light",       "t_low",    "t_high", "ghost_width",
-                                       "ghost_offset", "ghost_doubt", "exposure", NULL};
+static bool read_render(const hs_json *object, hs_dvr_settings *dvr) {
     const char *const looks[HS_LOOK_COUNT] = {hs_look_key(HS_LOOK_THESIS), hs_look_key(HS_LOOK_LIT)};
-    double light[2];
     uint32_t look;
     hs_dvr_defaults(dvr);
-    if (!hs_console_object(object, "render", keys, err) ||
-        !hs_console_word(object, "look", looks, HS_LOOK_COUNT, &look, err) ||
-        !hs_console_numbers(object, "light", 2, -180, 180, light, err) ||
-        !hs_console_float(object, "t_low", 0, 1, &dvr->threshold_low, err) ||
-        !hs_console_float(object, "t_high", 0, 1, &dvr->threshold_high, err) ||
-        !hs_console_float(object, "ghost_width", 0, 256, &dvr->ghost_width, err) ||
-        !hs_console_float(object, "ghost_offset", -256, 256, &dvr->ghost_offset, err) ||
-        !hs_console_float(object, "ghost_doubt", 0, (double)HS_DVR_MAX_DOUBT, &dvr->ghost_doubt, err) ||
-        !hs_console_float(object, "exposure", 0.1, 10, &dvr->exposure, err))
-        return false;
+    if (!READ(object, render_fields, dvr)) return false;
+    const hs_json at = member(object, "look");
+    if (!hs_json_word(&at, looks, HS_LOOK_COUNT, &look)) return false;
     dvr->look = (hs_look)look;
-    for (int i = 0; i < 2; i++) dvr->light[i] = (float)light[i];
-    return hs_dvr_check_settings(dvr, err);
+    return hs_dvr_check_settings(dvr, object->file->err);
 }
 
-static bool read_value(const char *key, const json_t *value, hs_console_lane *lane, hs_error *err) {
+static bool read_value(const hs_json *values, const char *key, hs_console_lane *lane) {
     hs_console_value *out = &lane->values[lane->count];
+    const hs_json at = member(values, key);
     const size_t length = strlen(key);
     if (lane->count == HS_CONSOLE_VALUES)
-        return hs_fail(err, HS_ERR_INPUT, "message: values: more than %d", HS_CONSOLE_VALUES);
+        return hs_json_fail(values, "has more than %d members", HS_CONSOLE_VALUES);
     if (length == 0 || length >= sizeof out->key ||
         strspn(key, "abcdefghijklmnopqrstuvwxyz0123456789_") != length)
-        return hs_fail(err, HS_ERR_INPUT, "message: values: '%.60s' is no parameter's key", key);
-    if (!json_is_number(value))
-        return hs_fail(err, HS_ERR_INPUT, "message: values: %s: expected a number", key);
+        return hs_json_fail(values, "'%.60s' is no parameter's key", key);
+    if (!json_is_number(at.value)) return hs_json_fail(&at, "is no number");
     memcpy(out->key, key, length + 1);
-    out->value = json_number_value(value);
+    out->value = json_number_value(at.value);
     lane->count++;
     return true;
 }
 
-static bool read_lane(json_t *object, hs_console_lane *lane, hs_error *err) {
-    static const char *const keys[] = {"plugin", "values", NULL};
+static const hs_json_field lane_fields[] = {
+    FIELD(hs_console_lane, plugin, UINT, 0, 255, true),
+    OTHER("values", true),
+};
+
+static bool read_lane(const hs_json *object, hs_console_lane *lane) {
     const char *key;
     json_t *value;
-    if (!hs_console_object(object, "lanes", keys, err) ||
-        !hs_console_count(object, "plugin", 0, 255, &lane->plugin, err))
-        return false;
-    json_t *values = json_object_get(object, "values");
-    if (!json_is_object(values)) return hs_fail(err, HS_ERR_INPUT, "message: values: expected an object");
-    json_object_foreach(values, key, value) if (!read_value(key, value, lane, err)) return false;
+    if (!READ(object, lane_fields, lane)) return false;
+    const hs_json values = member(object, "values");
+    if (!json_is_object(values.value)) return hs_json_fail(&values, "is no object");
+    json_object_foreach(values.value, key, value) if (!read_value(&values, key, lane)) return false;
     lane->used = true;
     return true;
 }
 
-static bool read_lanes(const json_t *array, hs_console_state *state, hs_error *err) {
-    const size_t count = json_array_size(array);
-    if (!json_is_array(array) || count < 1 || count > HS_CONSOLE_LANES)
-        return hs_fail(err, HS_ERR_INPUT, "message: lanes: expected 1 .. %d", HS_CONSOLE_LANES);
-    for (size_t i = 0; i < count; i++)
-        if (!read_lane(json_array_get(array, i), &state->lane[i], err)) return false;
+static bool read_lanes(const hs_json *array, hs_console_state *state) {
+    hs_json one;
+    if (!hs_json_is_array(array, 1, HS_CONSOLE_LANES)) return false;
+    for (size_t i = 0; i < json_array_size(array->value); i++) {
+        hs_json_element(array, i, &one);
+        if (!read_lane(&one, &state->lane[i])) return false;
+    }
     return true;
 }
 
 /* [x, y, z, radius, keep] each. */
-static bool read_marks(const json_t *array, hs_console_state *state, hs_error *err) {
-    if (!json_is_array(array) || json_array_size(array) > HS_MARKS_MAX)
-        return hs_fail(err, HS_ERR_INPUT, "message: marks: expected at most %d", HS_MARKS_MAX);
-    for (size_t i = 0; i < json_array_size(array); i++) {
+static bool read_marks(const hs_json *array, hs_console_state *state) {
+    hs_json one;
+    if (!hs_json_is_array(array, 0, HS_MARKS_MAX)) return false;
+    for (size_t i = 0; i < json_array_size(array->value); i++) {
         hs_mark *m = &state->marks[state->mark_count++];
         double n[5];
-        if (!numbers_of(json_array_get(array, i), "marks", 5, -1e4, 1e4, n, err)) return false;
+        hs_json_element(array, i, &one);
+        if (!hs_json_numbers(&one, 5, -1e4, 1e4, n)) return false;
         memcpy(m->place, n, sizeof m->place);
         m->radius = n[3];
         m->keep = n[4] > 0.0;
         if (!(m->radius >= HS_MARK_RADIUS_LEAST && m->radius <= HS_MARK_RADIUS_MOST))
-            return hs_fail(err, HS_ERR_INPUT, "message: marks: a radius of %g mm", m->radius);
+            return hs_json_fail(&one, "has a radius of %g mm", m->radius);
     }
     return true;
 }
 
 /* [x, y, z, x, y, z], or [] for all of the volume. */
-static bool read_box(const json_t *array, hs_crop *crop, hs_error *err) {
+static bool read_box(const hs_json *array, hs_crop *crop) {
     double ends[6] = {0};
-    crop->used = !json_is_array(array) || json_array_size(array) > 0;
-    if (crop->used && !numbers_of(array, "box", 6, -1e4, 1e4, ends, err)) return false;
+    crop->used = !json_is_array(array->value) || json_array_size(array->value) > 0;
+    if (crop->used && !hs_json_numbers(array, 6, -1e4, 1e4, ends)) return false;
     memcpy(crop->low, ends, sizeof crop->low);
     memcpy(crop->high, ends + 3, sizeof crop->high);
     return true;
 }
 
-static bool read_views(const json_t *array, uint32_t *views, hs_error *err) {
-    if (!json_is_array(array) || json_array_size(array) > HS_CONSOLE_VIEWS)
-        return hs_fail(err, HS_ERR_INPUT, "message: views: expected at most %d", HS_CONSOLE_VIEWS);
-    for (size_t i = 0; i < json_array_size(array); i++) {
-        const char *name = json_string_value(json_array_get(array, i));
-        uint32_t v = 0;
-        while (name && v < HS_CONSOLE_VIEWS && strcmp(name, view_names[v]) != 0) v++;
-        if (!name || v == HS_CONSOLE_VIEWS)
-            return hs_fail(err, HS_ERR_INPUT, "message: views: '%.60s' is none", name ? name : "(no text)");
-        *views |= 1u << v;
+static bool read_views(const hs_json *array, uint32_t *views) {
+    hs_json one;
+    uint32_t view;
+    if (!hs_json_is_array(array, 0, HS_CONSOLE_VIEWS)) return false;
+    for (size_t i = 0; i < json_array_size(array->value); i++) {
+        hs_json_element(array, i, &one);
+        if (!hs_json_word(&one, view_names, HS_CONSOLE_VIEWS, &view)) return false;
+        *views |= 1u << view;
     }
     return true;
 }
 
-static bool read_state(const json_t *root, hs_console_state *s, hs_error *err) {
-    static const char *const keys[] = {"type",    "serial", "source",  "camera", "views",
-                                       "picture", "draft",  "hurried", "play",   "cross",
-                                       "render",  "lanes",  "marks",   "box",    NULL};
-    return hs_console_object(root, "state", keys, err) &&
-           hs_console_whole(root, "serial", 0, MAX_SERIAL, &s->serial, err) &&
-           read_source(json_object_get(root, "source"), &s->source, err) &&
-           read_camera(json_object_get(root, "camera"), s, err) &&
-           read_views(json_object_get(root, "views"), &s->views, err) &&
-           hs_console_count(root, "picture", 16, HS_CONSOLE_PICTURE, &s->picture, err) &&
-           hs_console_count(root, "draft", 16, HS_CONSOLE_PICTURE, &s->draft, err) &&
-           hs_console_flag(root, "hurried", &s->hurried, err) &&
-           read_play(json_object_get(root, "play"), s, err) &&
-           hs_console_numbers(root, "cross", 3, 0, 1, s->cross, err) &&
-           read_render(json_object_get(root, "render"), &s->dvr, err) &&
-           read_lanes(json_object_get(root, "lanes"), s, err) &&
-           read_marks(json_object_get(root, "marks"), s, err) &&
-           read_box(json_object_get(root, "box"), &s->crop, err);
+static const hs_json_field state_fields[] = {
+    FIELD(hs_console_state, serial, WHOLE, 0, MAX_SERIAL, true),
+    OTHER("source", true),
+    OTHER("camera", true),
+    OTHER("views", true),
+    FIELD(hs_console_state, picture, UINT, 16, HS_CONSOLE_PICTURE, true),
+    FIELD(hs_console_state, draft, UINT, 16, HS_CONSOLE_PICTURE, true),
+    FIELD(hs_console_state, hurried, FLAG, 0, 0, true),
+    OTHER("play", true),
+    FIELD(hs_console_state, cross, DOUBLE, 0, 1, true),
+    OTHER("render", true),
+    OTHER("lanes", true),
+    OTHER("marks", true),
+    OTHER("box", true),
+};
+
+static bool read_state(const hs_json *root, hs_console_state *s) {
+    if (!hs_json_read_typed(root, state_fields, HS_COUNT(state_fields), s)) return false;
+    const hs_json source = member(root, "source"), camera = member(root, "camera"),
+                  views = member(root, "views"), play = member(root, "play"), render = member(root, "render"),
+                  lanes = member(root, "lanes"), marks = member(root, "marks"), box = member(root, "box");
+    return read_source(&source, &s->source) && READ(&camera, camera_fields, s) &&
+           read_views(&views, &s->views) && READ(&play, play_fields, s) && read_render(&render, &s->dvr) &&
+           read_lanes(&lanes, s) && read_marks(&marks, s) && read_box(&box, &s->crop);
 }
 
-static bool read_mark(const json_t *root, hs_console_message *out, hs_error *err) {
-    static const char *const keys[] = {"type", "what", "view", "at", "radius", "keep", NULL};
-    bool keep = false;
-    if (!hs_console_object(root, "do", keys, err) || !hs_console_numbers(root, "at", 2, 0, 1, out->at, err) ||
-        !hs_console_number(root, "radius", HS_MARK_RADIUS_LEAST, HS_MARK_RADIUS_MOST, &out->mark.radius,
-                           err) ||
-        !hs_console_flag(root, "keep", &keep, err))
-        return false;
-    out->mark.keep = keep;
-    return true;
-}
+static const hs_json_field seen_fields[] = {
+    NAMED("frame", hs_console_message, seen, WHOLE, 0, MAX_SERIAL, true),
+};
+/* Of deeds: what all have; a snapshot's view behind it; and the rest of a mark. */
+static const hs_json_field deed_fields[] = {
+    OTHER("what", true),
+    OTHER("view", true),
+    FIELD(hs_console_message, at, DOUBLE, 0, 1, true),
+    NAMED("radius", hs_console_message, mark.radius, DOUBLE, HS_MARK_RADIUS_LEAST, HS_MARK_RADIUS_MOST, true),
+    FIELD(hs_console_message, keep, FLAG, 0, 0, true),
+};
 
-static bool read_deed(const json_t *root, hs_console_message *out, hs_error *err) {
+static bool read_deed(const hs_json *root, hs_console_message *out) {
     static const char *const deeds[] = {"snapshot", "write", "mark"};
-    static const char *const snapshot_keys[] = {"type", "what", "view", NULL};
-    static const char *const write_keys[] = {"type", "what", NULL};
+    static const size_t counts[] = {2, 1, HS_COUNT(deed_fields)};
     uint32_t what, view = 0;
-    if (!hs_console_word(root, "what", deeds, 3, &what, err)) return false;
+    hs_json at;
+    if (!hs_json_member(root, "what", &at)) return hs_json_fail(root, "has no field 'what'");
+    if (!hs_json_word(&at, deeds, 3, &what) || !hs_json_read_typed(root, deed_fields, counts[what], out))
+        return false;
     out->deed = (hs_console_deed)what;
-    if (out->deed == HS_CONSOLE_WRITE) return hs_console_object(root, "do", write_keys, err);
-    const bool ok = out->deed == HS_CONSOLE_MARK ? read_mark(root, out, err)
-                                                 : hs_console_object(root, "do", snapshot_keys, err);
-    if (!ok || !hs_console_word(root, "view", view_names, HS_CONSOLE_VIEWS, &view, err)) return false;
+    out->mark.keep = out->keep;
+    if (!hs_json_member(root, "view", &at)) return true;
+    const bool ok = hs_json_word(&at, view_names, HS_CONSOLE_VIEWS, &view);
     out->view = (hs_console_view)view;
-    return true;
+    return ok;
 }
 
-static bool read_message(const json_t *root, hs_console_message *out, hs_error *err) {
+static bool read_message(hs_json_file *file, json_t *value, hs_console_message *out) {
     static const char *const types[] = {"state", "seen", "do"};
-    static const char *const seen_keys[] = {"type", "frame", NULL};
+    const hs_json root = {.file = file, .value = value};
+    const char *name;
     uint32_t type;
-    if (!json_is_object(root)) return hs_fail(err, HS_ERR_INPUT, "message: expected an object");
-    if (!hs_console_word(root, "type", types, 3, &type, err)) return false;
+    hs_json at;
+    if (!hs_json_type(&root, &at, &name) || !hs_json_word(&at, types, 3, &type)) return false;
+    file->whole = name;
     out->says = (hs_console_says)type;
-    if (out->says == HS_CONSOLE_SAYS_STATE) return read_state(root, &out->state, err);
-    if (out->says == HS_CONSOLE_SAYS_DO) return read_deed(root, out, err);
-    return hs_console_object(root, "seen", seen_keys, err) &&
-           hs_console_whole(root, "frame", 0, MAX_SERIAL, &out->seen, err);
+    if (out->says == HS_CONSOLE_SAYS_STATE) return read_state(&root, &out->state);
+    if (out->says == HS_CONSOLE_SAYS_DO) return read_deed(&root, out);
+    return hs_json_read_typed(&root, seen_fields, HS_COUNT(seen_fields), out);
 }
 
 /* The parser calls itself for every level, thousands deep if it is let, and a server's threads have little
@@ -381,7 +283,8 @@ bool hs_console_message_read(const char *text, size_t bytes, hs_console_message 
     json_error_t at;
     json_t *root = json_loadb(text, bytes, JSON_REJECT_DUPLICATES, &at);
     if (!root) return hs_fail(err, HS_ERR_INPUT, "message: no JSON: %s (byte %d)", at.text, at.position);
-    const bool ok = read_message(root, out, err);
+    hs_json_file file = {"message", "all of it", err};
+    const bool ok = read_message(&file, root, out);
     json_decref(root);
     return ok;
 }
