@@ -48,6 +48,18 @@ void files_write(const char *name, const char *text, const void *data, size_t by
     assert_int_equal(fclose(file), 0);
 }
 
+void files_volume(const char *name, const char *size, const char *type, const char *lines, const void *data,
+                  size_t bytes) {
+    char text[8192];
+    int dims = 1;
+    for (const char *c = size; *c; c++) dims += *c == ' ';
+    const int length =
+        snprintf(text, sizeof text, "NDims = %d\nDimSize = %s\n%sElementType = %s\nElementDataFile = LOCAL\n",
+                 dims, size, lines, type);
+    assert_true(length > 0 && (size_t)length < sizeof text);
+    files_write(name, text, data, bytes);
+}
+
 uint8_t *files_deflate(const void *data, size_t bytes, size_t *compressed) {
     uLongf room = compressBound((uLong)bytes);
     uint8_t *out = unit_memory(room);

@@ -20,6 +20,11 @@ const char *files_path(const char *name);
 /* A file of `text` (NULL for none) and `bytes` bytes of data behind it. */
 void files_write(const char *name, const char *text, const void *data, size_t bytes);
 
+/* A MetaImage file of these bytes: of "2 2 2" voxels of a type, or of a sequence's "2 2 2 4", with more lines
+ * in its text. */
+void files_volume(const char *name, const char *size, const char *type, const char *lines, const void *data,
+                  size_t bytes);
+
 /* zlib's one-call compression, kept for the test. */
 uint8_t *files_deflate(const void *data, size_t bytes, size_t *compressed);
 

@@ -14,9 +14,11 @@ static void free_scene(void *data) {
     hs_scene_free(data);
 }
 
-void empty_spec(hs_scene_spec *spec) {
+hs_scene_spec empty_spec(void) {
+    hs_scene_spec spec;
     hs_error err = {0};
-    if (!hs_scene_read_text("empty.json", EMPTY_SCENE, spec, &err)) fail_msg("%s", err.text);
+    if (!hs_scene_read_text("empty.json", EMPTY_SCENE, &spec, &err)) fail_msg("%s", err.text);
+    return spec;
 }
 
 hs_field *one_tissue_field(uint32_t n, float h, hs_tissue tissue) {

@@ -21,7 +21,7 @@ extern const char *const scene_cases[SCENE_CASES];
     "  \"artefacts\": [] }\n"
 
 /* Reads EMPTY_SCENE. */
-void empty_spec(hs_scene_spec *spec);
+hs_scene_spec empty_spec(void);
 
 /* A cube of n^3 voxels of h mm, all of one tissue, far from any surface, with silent
  * interfaces. It is kept for the test, as are the frames below (unit.h). */

@@ -7,6 +7,7 @@
 #include <math.h>
 
 enum { N = 24, COUNT = N * N * N };
+#define SIZE "24 24 24"
 
 /* A fan that widens along z; scanned values are 20 .. 119. */
 static bool in_fan(size_t i) {
@@ -20,12 +21,9 @@ static double scanned_value(size_t i) {
 
 static void write_fan(const char *name, hs_met_type type, double outside, uint32_t channels, bool coloured) {
     static uint8_t data[COUNT * 4 * 3];
-    char text[300];
+    char lines[64];
     const size_t width = hs_met_type_bytes(type);
-    (void)snprintf(text, sizeof text,
-                   "NDims = 3\nDimSize = %d %d %d\nElementType = %s\nElementNumberOfChannels = %u\n"
-                   "ElementDataFile = LOCAL\n",
-                   N, N, N, hs_met_type_name(type), channels);
+    (void)snprintf(lines, sizeof lines, "ElementNumberOfChannels = %u\n", channels);
     for (size_t i = 0; i < COUNT; i++)
         for (uint32_t c = 0; c < channels; c++) {
             const double v = (in_fan(i) ? scanned_value(i) : outside) + (coloured && c == 1 && in_fan(i));
@@ -36,7 +34,7 @@ static void write_fan(const char *name, hs_met_type type, double outside, uint32
             if (type == HS_MET_USHORT) memcpy(to, &u, sizeof u);
             if (type == HS_MET_UCHAR) *to = (uint8_t)v;
         }
-    files_write(name, text, data, COUNT * channels * width);
+    files_volume(name, SIZE, hs_met_type_name(type), lines, data, COUNT * channels * width);
 }
 
 /* Levels from the scanned values alone, 1 at least; of bytes as they are. */
@@ -65,15 +63,12 @@ static void whatever_lies_outside_was_not_scanned(void **state) {
     }
     /* With maps of what was scanned, whatever else is in the file does not count. */
     static uint16_t first[N * N], end[N * N];
-    char text[200];
-    (void)snprintf(text, sizeof text,
-                   "NDims = 3\nDimSize = %d %d 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n", N, N);
     for (size_t i = 0; i < N * N; i++) {
         for (first[i] = 0; first[i] < N && !in_fan(i + (size_t)first[i] * N * N);) first[i]++;
         for (end[i] = first[i]; end[i] < N && in_fan(i + (size_t)end[i] * N * N);) end[i]++;
     }
-    files_write("first.mha", text, first, sizeof first);
-    files_write("end.mha", text, end, sizeof end);
+    files_volume("first.mha", "24 24 1", "MET_USHORT", "", first, sizeof first);
+    files_volume("end.mha", "24 24 1", "MET_USHORT", "", end, sizeof end);
     write_fan("fan.mha", HS_MET_FLOAT, -999, 1, false);
     char paths[2][300];
     (void)snprintf(paths[0], sizeof paths[0], "%s", files_path("first.mha"));
@@ -91,12 +86,8 @@ static void whatever_lies_outside_was_not_scanned(void **state) {
 /* A layer of one value is no outside, nor is a box that is all scanned. */
 static void what_was_scanned_stays(void **state) {
     static uint8_t layers[COUNT];
-    char text[200];
-    (void)snprintf(text, sizeof text,
-                   "NDims = 3\nDimSize = %d %d %d\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", N, N,
-                   N);
     for (size_t i = 0; i < COUNT; i++) layers[i] = i / N / N < 8 ? 100 : i / N / N < 16 ? 10 : 200;
-    files_write("layers.mha", text, layers, sizeof layers);
+    files_volume("layers.mha", SIZE, "MET_UCHAR", "", layers, sizeof layers);
     hs_volume v = files_read("layers.mha", NULL);
     assert_memory_equal(v.voxels, layers, sizeof layers);
     /* The darkest of other values than 0, here on a face, is not scanned only if a corner holds it. */
@@ -106,10 +97,7 @@ static void what_was_scanned_stays(void **state) {
             layers[i] = x == 0 && y / 8 == 1 ? 156 : (uint8_t)(i * 7 % 100);
             if (corner && x < 2 && y < 2 && z < 2) layers[i] = 156; /* -100 */
         }
-        (void)snprintf(text, sizeof text,
-                       "NDims = 3\nDimSize = %d %d %d\nElementType = MET_CHAR\nElementDataFile = LOCAL\n", N,
-                       N, N);
-        files_write("signed.mha", text, layers, sizeof layers);
+        files_volume("signed.mha", SIZE, "MET_CHAR", "", layers, sizeof layers);
         v = files_read("signed.mha", NULL);
         assert_int_equal(v.voxels[8 * N], corner ? 0 : 1);
     }

@@ -6,11 +6,7 @@
 /* A volume of 2 x 2 x 2 voxels; `lines` may replace the dimensions. */
 static void write_lines(const char *name, const char *lines, int dims) {
     static const uint8_t data[8] = {1, 2, 3, 4, 5, 6, 7, 8};
-    char text[1024];
-    (void)snprintf(text, sizeof text,
-                   "NDims = %d\nDimSize = 2 2 2%s\n%sElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
-                   dims, dims == 4 ? " 1" : "", lines);
-    files_write(name, text, data, sizeof data);
+    files_volume(name, dims == 4 ? "2 2 2 1" : "2 2 2", "MET_UCHAR", lines, data, sizeof data);
 }
 
 static hs_volume read_lines(const char *lines, int dims) {

@@ -114,8 +114,7 @@ static void write_two_zeros(void) {
     uint8_t data[125];
     memset(data, 77, sizeof data);
     data[0] = data[62] = 0;
-    files_write("zeros.mha", "NDims = 3\nDimSize = 5 5 5\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
-                data, sizeof data);
+    files_volume("zeros.mha", "5 5 5", "MET_UCHAR", "", data, sizeof data);
 }
 
 static void padding_decides_what_a_zero_is(void **state) {
@@ -135,8 +134,7 @@ static void padding_decides_what_a_zero_is(void **state) {
 static void a_window_maps_and_clamps(void **state) {
     static const uint16_t values[] = {0, 99, 100, 140, 180, 299, 300, 65535};
     static const uint8_t expected[] = {0, 0, 0, 51, 102, 254, 255, 255};
-    files_write("w.mha", "NDims = 3\nDimSize = 8 1 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n",
-                values, sizeof values);
+    files_volume("w.mha", "8 1 1", "MET_USHORT", "", values, sizeof values);
     const hs_metaimage_options opt = {
         .padding = HS_PADDING_ALL, .has_window = true, .window_low = 100.0, .window_high = 300.0};
     hs_volume volume = files_read("w.mha", &opt);
@@ -144,8 +142,7 @@ static void a_window_maps_and_clamps(void **state) {
 
     static const uint8_t bytes[] = {9, 10, 11, 20, 60, 61, 200, 255}; /* a window counts for MET_UCHAR, too */
     static const uint8_t of_bytes[] = {0, 0, 5, 51, 255, 255, 255, 255};
-    files_write("w.mha", "NDims = 3\nDimSize = 8 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
-                bytes, sizeof bytes);
+    files_volume("w.mha", "8 1 1", "MET_UCHAR", "", bytes, sizeof bytes);
     const hs_metaimage_options narrow = {
         .padding = HS_PADDING_ALL, .has_window = true, .window_low = 10.0, .window_high = 60.0};
     volume = files_read("w.mha", &narrow);

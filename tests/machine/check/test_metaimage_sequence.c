@@ -11,12 +11,10 @@ enum { VOXELS = 8 };
 /* `frames` volumes of 2 x 2 x 2 voxels, of which number f holds 10 f + 1 .. 10 f + 8. */
 static void write_sequence(const char *name, const char *lines, int frames) {
     uint8_t data[16 * VOXELS];
-    char text[4096];
+    char size[16];
     for (int i = 0; i < frames * VOXELS; i++) data[i] = (uint8_t)(i / VOXELS * 10 + i % VOXELS + 1);
-    (void)snprintf(text, sizeof text,
-                   "NDims = 4\nDimSize = 2 2 2 %d\n%sElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
-                   frames, lines);
-    files_write(name, text, data, (size_t)frames * VOXELS);
+    (void)snprintf(size, sizeof size, "2 2 2 %d", frames);
+    files_volume(name, size, "MET_UCHAR", lines, data, (size_t)frames * VOXELS);
 }
 
 static void volumes_come_one_after_the_other(void **state) {
@@ -184,13 +182,9 @@ static void sequences_of_pictures_are_refused_by_name(void **state) {
     };
     static const uint8_t data[8] = {1, 2, 3, 4, 5, 6, 7, 8};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        char text[300];
         hs_error err = {0};
         hs_volume volume = {0};
-        (void)snprintf(text, sizeof text,
-                       "NDims = 3\nDimSize = 2 2 2\n%sElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
-                       rows[i].lines);
-        files_write("plus.mha", text, data, sizeof data);
+        files_volume("plus.mha", "2 2 2", "MET_UCHAR", rows[i].lines, data, sizeof data);
         if (rows[i].told) files_refused("plus.mha", rows[i].told);
         assert_int_equal(hs_metaimage_read(files_path("plus.mha"), NULL, &volume, &err), !rows[i].told);
         assert_null(strstr(err.text, "Doe"));

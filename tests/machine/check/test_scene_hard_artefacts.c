@@ -23,8 +23,7 @@ static hs_field *wall_and_fluid(void) {
 
 /* 10 dB below the wall where it ends, and 1.5 dB less a mm: at slice z the way is (z - 20 + 1/2) / 2 mm. */
 static void haze_falls_from_the_wall(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.haze = (hs_haze_spec){true, -10.0f, 1.5f, 0.0f, 8.0f};
     hs_field *f = wall_and_fluid();
     for (uint32_t z = 0; z < N; z++) f->tissue[at(f, 3, 4, z)] = HS_TISSUE_FLUID; /* a beam without wall */
@@ -43,8 +42,7 @@ static void haze_falls_from_the_wall(void **state) {
 
 /* Patches of 4 mm, up to 6 dB: even over short ways, uneven over long ones, and without a drift. */
 static void haze_has_patches(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.haze = (hs_haze_spec){true, -10.0f, 0.05f, 6.0f, 4.0f};
     hs_field *f = wall_and_fluid();
     hs_scene_haze(f, &spec);
@@ -87,8 +85,7 @@ static double spread(const hs_field *f, int axis, uint32_t z) {
  * %. */
 static void slices_are_thick_off_the_focus(void **state) {
     static const uint32_t depth[3] = {32, 16, 0};
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.speckle = (hs_speckle_spec){true, 0.0f, 0.5f, 16.25f, 1000.0f};
     for (int thick = 0; thick < 2; thick++) {
         spec.slice = (hs_slice_spec){thick == 1, 1.0f, 16.25f, 8.0f};
@@ -107,8 +104,7 @@ static void slices_are_thick_off_the_focus(void **state) {
 /* To the lower right, from 4 mm off the middle on, whole 8 mm further: along the diagonal the middle of
  * pixel 32 + k is (k + 1/2) / 2 * sqrt 2 mm away. */
 static void a_corner_is_dark(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.corner = (hs_corner_spec){true, 45.0f, 4.0f, 8.0f, 20.0f};
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_SOFT);
     for (size_t i = 0; i < hs_field_slice(f) * N; i++) f->diffuse[i] = f->coherent[i] = 0;

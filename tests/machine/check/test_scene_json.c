@@ -23,8 +23,7 @@ static void refuse_part(const char *structure, const char *artefact, const char 
 }
 
 static void reads_defaults(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     assert_near(spec.extent_mm, 120.0f, 0.0f);
     assert_near(spec.tissue[HS_TISSUE_BONE].impedance_mrayl, 3.75f, 0.0f);
     assert_int_equal(spec.structure_count, 0);

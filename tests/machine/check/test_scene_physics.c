@@ -28,8 +28,7 @@ static double column_level(const hs_field *f, uint32_t z) {
 }
 
 static void attenuate(hs_field *f, float tgc, float frequency) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.frequency_mhz = frequency;
     spec.attenuation = (hs_attenuation_spec){true, tgc};
     for (size_t i = 0; i < (size_t)N * N * N; i++) f->diffuse[i] = 0;
@@ -73,8 +72,7 @@ static void fluid_brightens(void **state) {
 /* An interface's level: specular_db + 20 log10 R at normal incidence. Fluid to soft
  * tissue: R = 0.0415, -27.63 dB. */
 static void interfaces_follow_impedance(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.specular_db = 10.0f;
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID);
     put_slab(f, HS_TISSUE_SOFT, 20, 40);
@@ -93,8 +91,7 @@ static void interfaces_follow_impedance(void **state) {
  * half a dB is left to them. */
 static void edges_throw_shadows(void **state) {
     const float radius = 14.0f;
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.edge = (hs_edge_spec){true, 9.0f};
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_SOFT);
     for (uint32_t z = 0; z < N; z++)
@@ -117,8 +114,7 @@ static void edges_throw_shadows(void **state) {
 /* Wall with a boundary at slice 8, ending at 20 before fluid: the wall's end (slice 19) comes back every 11
  * slices, 6 dB weaker each time. */
 static void bands_stand_at_multiples(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.reverberation = (hs_reverberation_spec){true, 3, 0.0f, 6.0f};
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID);
     for (uint32_t z = 0; z < 20; z++)
@@ -142,8 +138,7 @@ static void bands_stand_at_multiples(void **state) {
  * is level_db; the next slice has none. A single line of it is spread over width_mm: peak 1 / 9
  * of it (two boxes of 9 voxels). */
 static void haze_has_its_level(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.side_lobe = (hs_side_lobe_spec){true, -26.5f, 8.0f}; /* boxes of 2 * 4 + 1 voxels */
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID);
     size_t slice = hs_field_slice(f);
@@ -161,8 +156,7 @@ static void haze_has_its_level(void **state) {
 
 /* Noise alone: its mean power is level_db (64^3 exponential samples: 0.2 % standard error). */
 static void noise_has_its_power(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.noise = (hs_noise_spec){true, -40.0f};
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID);
     for (size_t i = 0; i < (size_t)N * N * N; i++) f->envelope[i] = HS_LEVEL_SILENT;
@@ -178,8 +172,7 @@ static void noise_has_its_power(void **state) {
 /* Straight ahead all depths to depth_mm; at the surface z = 0 half a width of r
  * tan(angle / 2); nothing outside. */
 static void fan_has_its_borders(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.fan = (hs_fan_spec){true, 60.0f, 60.0f, 20.0f, 20.0f, 25.0f};
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID); /* 32 mm */
     static uint8_t voxels[N * N * N];
@@ -198,8 +191,7 @@ static void fan_has_its_borders(void **state) {
 /* grey = 255 (1 + (L + gain) / range): -24 dB with 60 dB of range is 153, all below the range is 1, above
  * it 255. */
 static void compresses_as_stated(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID);
     for (size_t i = 0; i < (size_t)N * N * N; i++) f->envelope[i] = hs_level(-24.0f);
     f->envelope[1] = hs_level(-61.0f);

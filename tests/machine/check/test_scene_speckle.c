@@ -6,8 +6,7 @@
 enum { N = 96 };
 
 static hs_field *uniform_speckle(float axial, float lateral, float focus, float rayleigh) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.speckle = (hs_speckle_spec){true, axial, lateral, focus, rayleigh};
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_SOFT);
     for (size_t i = 0; i < (size_t)N * N * N; i++) f->diffuse[i] = hs_level(-30.0f);
@@ -92,8 +91,7 @@ static void grains_widen_off_the_focus(void **state) {
 /* An interface across the beam keeps its level behind the point spread: -10 dB in silence, at its own
  * depth. */
 static void interfaces_keep_their_level(void **state) {
-    hs_scene_spec spec;
-    empty_spec(&spec);
+    hs_scene_spec spec = empty_spec();
     spec.speckle = (hs_speckle_spec){true, 0.4f, 0.8f, 24.0f, 30.0f};
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID);
     for (size_t i = 0; i < (size_t)N * N; i++) f->coherent[hs_field_slice(f) * 40 + i] = hs_level(-10.0f);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The console's brush in a real browser, by mouse, touch and keyboard; undo and redo. With a second argument, pictures go there."""
+"""The console's brush in a real browser, by mouse, touch and keyboard; undo and redo."""
 
 import math
 import os
@@ -11,7 +11,6 @@ from console_client import holds
 from console_look import RESULT, a_page, all_pixels, as_run_draws_it, choose, pixels, run_of, settle
 
 BUILD = sys.argv[1]
-SHOTS = sys.argv[2] if len(sys.argv) > 2 else ""
 HOST_SIM = os.path.join(BUILD, "host_sim")
 ENTER = "\ue007"
 MARKS = "return state.marks"
@@ -25,11 +24,6 @@ CHANGED = """
         Math.hypot(i % 512 - u * 512, Math.floor(i / 512) - v * 512) < r * 512 + 12 ? inside++ : outside++;
     }
     return [inside, outside];"""
-
-
-def shoot(b, name, size):
-    if SHOTS:
-        b.screenshot(os.path.join(SHOTS, f"brush_{size}_{name}.png"))
 
 
 def width(b, pixels_, height=900):
@@ -62,7 +56,6 @@ def a_mark_removes_what_is_seen(b, work):
     put = b.run("const r = canvases.result.screen.getBoundingClientRect(); return [lastFigures.marks[0], r.width]")
     holds(abs(put[0][0] - 0.5) < 0.01 and abs(put[0][1] - 0.5 + 40 / put[1]) < 0.01, f"the mark is shown at {put}")
     holds(b.run("return document.querySelectorAll('.screen[data-view=result] .marks circle').length") == 1, "no ring on the picture")
-    shoot(b, "remove", 1280)
     as_run_draws_it(b, HOST_SIM, work, "a mark")
     return before, after
 
@@ -100,7 +93,6 @@ def keep_brings_back(b, work):
     b.click("#keep")
     said = click(b, 0, -40)
     holds(said == 2 and b.run(MARKS)[1][4] == 1 and pixels(b, "result") != removed, f"keep brings nothing back: {said}")
-    shoot(b, "keep", 1280)
     as_run_draws_it(b, HOST_SIM, work, "two marks")
     for _ in range(6):  # layer by layer, until all is there again
         said = click(b, 0, -40)
@@ -128,7 +120,6 @@ def painting(b):
     apart = min(((a[0] - c[0]) ** 2 + (a[1] - c[1]) ** 2) ** 0.5 for i, a in enumerate(places) for c in places[:i])
     holds(apart >= 1.9 * places[0][2], f"painted marks {places} lie on each other")
     holds(b.run("return state.camera.yaw") == 0, "the brush turns")
-    shoot(b, "painted", 1280)
     b.run("document.querySelector('.screen[data-view=result]').focus()")
     before = len(places)
     b.keys(RESULT, ENTER)
@@ -182,7 +173,6 @@ def by_touch(b):
     touch("touchEnd")
     b.wait_for("!brush.asked && !brush.queue.length && state.marks.length > 2", "a line by touch")
     settle(b, "painted by touch")
-    shoot(b, "touch", 390)
     marks = b.run("return [state.marks.length, state.camera.zoom]")
     touch("touchStart", (-30, 0), (30, 0))
     for step in range(1, 6):
@@ -205,7 +195,6 @@ def with_two_results(b):
     holds(said == 1, f"a mark on the second result: {said}")
     holds(all(pixels(b, view) != was for view, was in zip(("result", "other"), before)), "a mark is not for both results")
     holds(all("--remove" in line for line in b.run("return at('line').value").split("\n")), "a command line without the mark")
-    shoot(b, "compare", 1440)
     choose(b, "compare", "off")
     settle(b, "one result")
     b.keys("body", "e")
@@ -226,7 +215,6 @@ def the_lamp(b, work):
     holds(abs(now[0][0] - lamp[0] - 20) < 1e-6 and abs(now[0][1] - lamp[1] + 10) < 1e-6, f"the lamp moved from {lamp} to {now[0]}")
     holds(now[1:] == [camera, marks] and pixels(b, "result") != before, "the lamp turns, marks, or lights nothing")
     as_run_draws_it(b, HOST_SIM, work, "another light")
-    shoot(b, "lamp", 1280)
     b.click("#undo")
     settle(b, "undo of the lamp")
     holds(pixels(b, "result") == before, "undo gives another light")
@@ -258,13 +246,11 @@ def the_box(b, console, work):
             for (let i = 0; i < 512 * 512; i++) { const k = i % 512 < low ? 0 : 1; most[k] = Math.max(most[k], d[4 * i]); } return most;""", view)
         holds(left < 40 < 120 < right, f"{view}: beside the box it is {left} bright, in it {right}")
     as_run_draws_it(b, HOST_SIM, work, "a box")
-    shoot(b, "box", 1280)
     b.run("turn(30, 20); roll(10)")
     settle(b, "turned")
     corners = b.run("return Object.keys(AXES).map((view) => boxIn(view))")
     holds(all(3 <= len(one) <= 10 and all(-1e-9 <= x <= 1 + 1e-9 for place in one for x in place) for one in corners), f"the turned box is {corners}")
     as_run_draws_it(b, HOST_SIM, work, "a turned box")
-    shoot(b, "box_turned", 1280)
     b.wait_for("addressDue === 0", "the address")
     hash_, shown = b.run("return location.hash"), pixels(b, "result")
     b.open("about:blank")
@@ -300,8 +286,6 @@ def the_box(b, console, work):
     for size in ((390, 844), (1440, 1000)):
         width(b, *size)
         holds(b.run("return document.documentElement.scrollWidth") <= size[0], f"wider than {size[0]} pixels")
-        b.run("at('slices').scrollIntoView()")
-        shoot(b, "box", size[0])
     b.click("#box")
     settle(b, "no box again")
     holds(b.run("return state.box") == [] and all_pixels(b) == before, "what was before the box does not come back")
@@ -320,7 +304,6 @@ def nothing_jumps(b):
             tops.append(b.run("return document.querySelector('#rendered').getBoundingClientRect().top + scrollY"))
             b.run(f"at('{brush}').click()")  # on a phone a fixed bar may lie over it
         holds(len(set(tops)) == 1, f"at {size[0]} pixels the pictures jump when a brush is taken: {tops}")
-        shoot(b, "no_brush", size[0])
 
 
 def main():

@@ -10,7 +10,6 @@
 #include "support/sequence_fixture.h"
 
 #include <dirent.h>
-#include <malloc.h>
 #include <unistd.h>
 
 enum { VOLUMES = 25, NX = 128, NY = 120, NZ = 96, VOXELS = NX * NY * NZ };
@@ -159,13 +158,11 @@ static void sequences_may_stand_among_them(void **state) {
 
 /* Types that are mapped to 8 bit: each file from its own range, which is looked for once. */
 static void ranges_are_kept(void **state) {
-    static const char text[] =
-        "NDims = 3\nDimSize = 2 2 1\nElementType = MET_USHORT\nElementDataFile = LOCAL\n";
     static const uint8_t data[2][8] = {{0, 0, 10, 0, 20, 0, 40, 0}, {0, 1, 0, 2, 0, 3, 0, 5}};
     static const uint8_t expected[2][4] = {{1, 64, 128, 255}, {1, 64, 128, 255}};
     list files = {.count = 0};
     for (uint32_t f = 0; f < 2; f++) {
-        files_write(f ? "b.mha" : "a.mha", text, data[f], 8);
+        files_volume(f ? "b.mha" : "a.mha", "2 2 1", "MET_USHORT", "", data[f], 8);
         add_path(&files, f ? "b.mha" : "a.mha");
     }
     hs_source *source = open_list(&files);
@@ -305,14 +302,12 @@ static void cartesian_voxels_are_handed_on(void **state) {
     hs_result_voxels_close(voxels);
 }
 
-/* What is freed goes back to the system at once, so that memory that was in use before hides none. */
-static int flat_set_up(void **state) {
-    (void)mallopt(M_MMAP_THRESHOLD, 1 << 17);
+static int set_up_levels(void **state) {
     for (uint32_t n = 0; n < VOLUMES; n++) levels[n] = (uint8_t)(10 + 9 * n);
     return sequence_set_up(state);
 }
 
-UNIT_MAIN(flat_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
+UNIT_MAIN(set_up_levels, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
           cmocka_unit_test(volumes_come_in_any_order), cmocka_unit_test(sequences_may_stand_among_them),
           cmocka_unit_test(ranges_are_kept), cmocka_unit_test(every_frame_shows_its_volume),
           cmocka_unit_test(a_file_that_changes_is_told), cmocka_unit_test(what_does_not_fit_is_refused),

@@ -7,7 +7,6 @@
 #include "support/metaimage_files.h"
 #include "support/sequence_fixture.h"
 
-#include <malloc.h>
 #include <unistd.h>
 
 enum { VOLUMES = 25, IN_FILE = VOLUMES + 2, FIRST_INVALID = 3, SECOND_INVALID = 11 };
@@ -213,13 +212,7 @@ static void a_read_that_failed_starts_anew(void **state) {
     hs_metaimage_close(file);
 }
 
-/* What is freed goes back to the system at once, so that memory that was in use before hides none. */
-static int flat_set_up(void **state) {
-    (void)mallopt(M_MMAP_THRESHOLD, 1 << 17);
-    return sequence_set_up(state);
-}
-
-UNIT_MAIN(flat_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
+UNIT_MAIN(sequence_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
           cmocka_unit_test(volumes_come_in_any_order), cmocka_unit_test(what_is_said_stays_with_its_volume),
           cmocka_unit_test(a_stream_ends_at_once), cmocka_unit_test(every_frame_shows_its_volume),
           cmocka_unit_test(a_failing_file_is_told), cmocka_unit_test(damaged_data_is_told),
