@@ -63,9 +63,8 @@ int test_close_device(void **state);
 /* The program: these tests, with the kernels as this device runs them and as a GPU does. */
 #define HOST_MAIN(...)                                                                                       \
     int main(void) {                                                                                         \
-        const struct CMUnitTest tests[] = {__VA_ARGS__};                                                     \
-        return cmocka_run_group_tests_name("packets", tests, test_open_device, test_close_device) +          \
-               cmocka_run_group_tests_name("single items", tests, test_open_single, test_close_device);      \
+        return UNIT_RUN("packets", test_open_device, test_close_device, __VA_ARGS__) +                       \
+               UNIT_RUN("single items", test_open_single, test_close_device, __VA_ARGS__);                   \
     }
 
 #endif

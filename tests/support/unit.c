@@ -51,3 +51,19 @@ uint32_t unit_random(uint32_t *state) {
     *state ^= *state << 5;
     return *state;
 }
+
+int unit_run(const char *group, CMFixtureFunction set_up, CMFixtureFunction tear_down, const char *names,
+             const CMUnitTestFunction *functions) {
+    struct CMUnitTest tests[64] = {{0}}; /* those without a name are none */
+    char *text = strdup(names), *rest = NULL;
+    for (size_t i = 0; functions[i]; i++) {
+        if (!text || i == sizeof tests / sizeof *tests) abort();
+        tests[i] = (struct CMUnitTest){.name = strtok_r(i ? NULL : text, ", ", &rest),
+                                       .test_func = functions[i],
+                                       .setup_func = unit_begin,
+                                       .teardown_func = unit_end};
+    }
+    const int failed = cmocka_run_group_tests_name(group, tests, set_up, tear_down);
+    free(text);
+    return failed;
+}

@@ -40,9 +40,21 @@ uint32_t unit_random(uint32_t *state);
         if (!strstr((err).text, words)) fail_msg("'%s' does not say '%s'", (err).text, words);               \
     } while (0)
 
-/* The program: these tests, between the group's set-up and tear-down (NULL: none). Its file's name is that of
- * the group. */
+/* Runs these tests, by their names, between the group's set-up and tear-down (NULL: none); how many failed.
+ */
+#define UNIT_RUN(group, set_up, tear_down, ...)                                                              \
+    unit_run(group, set_up, tear_down, #__VA_ARGS__, (const CMUnitTestFunction[]){__VA_ARGS__, NULL})
+int unit_run(const char *group, CMFixtureFunction set_up, CMFixtureFunction tear_down, const char *names,
+             const CMUnitTestFunction *functions);
+
+/* The program: these tests. Its file's name is that of the group. */
 #define UNIT_MAIN(set_up, tear_down, ...)                                                                    \
+    int main(void) {                                                                                         \
+        return UNIT_RUN(__FILE__, set_up, tear_down, __VA_ARGS__);                                           \
+    }
+
+/* The same of cmocka's own structs, where tests have set-ups of their own. */
+#define UNIT_MAIN_OF(set_up, tear_down, ...)                                                                 \
     int main(void) {                                                                                         \
         struct CMUnitTest tests[] = {__VA_ARGS__};                                                           \
         for (size_t i = 0; i < sizeof tests / sizeof *tests; i++)                                            \

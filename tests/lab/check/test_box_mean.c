@@ -149,5 +149,4 @@ static void a_wrong_volume_is_told(void **state) {
     hs_volume_free(&v);
 }
 
-UNIT_MAIN(test_open_device, test_close_device, cmocka_unit_test(means_are_near_the_exact_ones),
-          cmocka_unit_test(a_wrong_volume_is_told))
+UNIT_MAIN(test_open_device, test_close_device, means_are_near_the_exact_ones, a_wrong_volume_is_told)

@@ -165,6 +165,5 @@ static void other_pictures_are_refused(void **state) {
     close_rig(&r);
 }
 
-UNIT_MAIN(set_up, tear_down, cmocka_unit_test(table_holds_every_start),
-          cmocka_unit_test(starts_follow_the_renderer), cmocka_unit_test(measures_are_those_by_hand),
-          cmocka_unit_test(missing_label_is_no_number), cmocka_unit_test(other_pictures_are_refused))
+UNIT_MAIN(set_up, tear_down, table_holds_every_start, starts_follow_the_renderer, measures_are_those_by_hand,
+          missing_label_is_no_number, other_pictures_are_refused)

@@ -132,6 +132,5 @@ static void a_labelled_ray_was_scanned(void **state) {
     write_maps(f);
 }
 
-UNIT_MAIN(make_files, remove_files, cmocka_unit_test(maps_tell_what_was_scanned),
-          cmocka_unit_test(without_maps_zeros_are_guessed_at), cmocka_unit_test(wrong_maps_are_named),
-          cmocka_unit_test(a_labelled_ray_was_scanned))
+UNIT_MAIN(make_files, remove_files, maps_tell_what_was_scanned, without_maps_zeros_are_guessed_at,
+          wrong_maps_are_named, a_labelled_ray_was_scanned)

@@ -128,5 +128,5 @@ static void common_setting_is_found_by_delta(void **state) {
     for (int s = 0; s < 2; s++) hs_eval_space_close(&spaces[s]);
 }
 
-UNIT_MAIN(open_rig, close_rig, cmocka_unit_test(axes_are_those_of_the_thesis),
-          cmocka_unit_test(quick_way_is_the_direct_one), cmocka_unit_test(common_setting_is_found_by_delta))
+UNIT_MAIN(open_rig, close_rig, axes_are_those_of_the_thesis, quick_way_is_the_direct_one,
+          common_setting_is_found_by_delta)

@@ -202,4 +202,4 @@ static void findings_of_the_thesis(void **state) {
     assert_true(sum_high > 1.2 * sum);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(findings_of_the_thesis))
+UNIT_MAIN(NULL, NULL, findings_of_the_thesis)

@@ -93,4 +93,4 @@ static void small_turn(void **state) {
     wall_case_free(&t);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(quarter_turn), cmocka_unit_test(small_turn))
+UNIT_MAIN(NULL, NULL, quarter_turn, small_turn)

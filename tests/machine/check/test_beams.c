@@ -306,19 +306,10 @@ static void volumes_follow_each_other(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest shapes[] = {
-        cmocka_unit_test(cartesian_copy_is_the_reference),
-        cmocka_unit_test(tissue_is_where_it_was),
-        cmocka_unit_test(ghosts_are_not_scanned),
-        cmocka_unit_test(box_holds_the_fan),
-        cmocka_unit_test(spacing_is_bounded),
-    };
-    const struct CMUnitTest kernels[] = {
-        cmocka_unit_test(slabs_and_ranges_are_the_reference),
-        cmocka_unit_test(volumes_follow_each_other),
-    };
-    int failed = cmocka_run_group_tests_name("shapes", shapes, NULL, NULL);
-    failed += cmocka_run_group_tests_name("packets", kernels, test_open_device, test_close_device);
-    return failed +
-           cmocka_run_group_tests_name("single voxels", kernels, test_open_single, test_close_device);
+    return UNIT_RUN("shapes", NULL, NULL, cartesian_copy_is_the_reference, tissue_is_where_it_was,
+                    ghosts_are_not_scanned, box_holds_the_fan, spacing_is_bounded) +
+           UNIT_RUN("packets", test_open_device, test_close_device, slabs_and_ranges_are_the_reference,
+                    volumes_follow_each_other) +
+           UNIT_RUN("single voxels", test_open_single, test_close_device, slabs_and_ranges_are_the_reference,
+                    volumes_follow_each_other);
 }

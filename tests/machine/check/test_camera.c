@@ -125,6 +125,5 @@ static void test_merged_box_holds_both(void **state) {
     assert_true(side.rotation[2] == 1.0); /* the view itself is kept */
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_straight_view_is_the_volume), cmocka_unit_test(test_axes),
-          cmocka_unit_test(test_quarter_turns_are_exact), cmocka_unit_test(test_box_holds_the_volume),
-          cmocka_unit_test(test_roll_is_clockwise), cmocka_unit_test(test_merged_box_holds_both))
+UNIT_MAIN(NULL, NULL, test_straight_view_is_the_volume, test_axes, test_quarter_turns_are_exact,
+          test_box_holds_the_volume, test_roll_is_clockwise, test_merged_box_holds_both)

@@ -165,7 +165,6 @@ static void what_is_no_folder_is_refused(void **state) {
     hs_console_files_free(&files);
 }
 
-UNIT_MAIN(make_tree, remove_tree, cmocka_unit_test(only_numbers_of_this_machine_are_its_host),
-          cmocka_unit_test(elsewhere_any_number_is), cmocka_unit_test(an_origin_is_a_page_of_this_host),
-          cmocka_unit_test(a_token_must_be_whole), cmocka_unit_test(the_list_has_what_lies_inside),
-          cmocka_unit_test(nothing_outside_is_found), cmocka_unit_test(what_is_no_folder_is_refused))
+UNIT_MAIN(make_tree, remove_tree, only_numbers_of_this_machine_are_its_host, elsewhere_any_number_is,
+          an_origin_is_a_page_of_this_host, a_token_must_be_whole, the_list_has_what_lies_inside,
+          nothing_outside_is_found, what_is_no_folder_is_refused)

@@ -265,7 +265,5 @@ static void limits_of_size_hold(void **unused) {
     assert_false(hs_console_message_read("{\"type\":\"seen\",\"frame\":1}\0x", 27, &m, &err));
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_state_arrives_as_it_was_meant),
-          cmocka_unit_test(a_file_and_one_lane_are_a_state_too), cmocka_unit_test(the_other_messages),
-          cmocka_unit_test(what_is_no_message_is_refused), cmocka_unit_test(a_wrong_field_is_named),
-          cmocka_unit_test(limits_of_size_hold))
+UNIT_MAIN(NULL, NULL, a_state_arrives_as_it_was_meant, a_file_and_one_lane_are_a_state_too,
+          the_other_messages, what_is_no_message_is_refused, a_wrong_field_is_named, limits_of_size_hold)

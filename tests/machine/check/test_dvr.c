@@ -213,9 +213,6 @@ static void test_small_buffers_are_refused(void **state) {
     hs_device_volume_destroy(source);
 }
 
-HOST_MAIN(cmocka_unit_test(test_matches_definition), cmocka_unit_test(test_skipping_changes_nothing),
-          cmocka_unit_test(test_nothing_to_clip), cmocka_unit_test(test_known_answers),
-          cmocka_unit_test(what_is_sure_is_drawn_as_ever),
-          cmocka_unit_test(less_is_clipped_where_less_is_sure),
-          cmocka_unit_test(test_impossible_settings_are_refused),
-          cmocka_unit_test(test_small_buffers_are_refused))
+HOST_MAIN(test_matches_definition, test_skipping_changes_nothing, test_nothing_to_clip, test_known_answers,
+          what_is_sure_is_drawn_as_ever, less_is_clipped_where_less_is_sure,
+          test_impossible_settings_are_refused, test_small_buffers_are_refused)

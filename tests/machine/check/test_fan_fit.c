@@ -226,5 +226,4 @@ static void real_scans(void **state) {
     if (found == 0) skip();
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(fans_are_found), cmocka_unit_test(what_is_stated_counts),
-          cmocka_unit_test(others_are_none), cmocka_unit_test(real_scans))
+UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts, others_are_none, real_scans)

@@ -87,5 +87,4 @@ static void test_a_launch_that_fails(void **state) {
     unit_told(err, HS_ERR_DEVICE, "clEnqueueNDRangeKernel(build_brick_grid) failed: CL_INVALID_");
 }
 
-UNIT_MAIN(open_device, close_device, cmocka_unit_test(test_launch_runs),
-          cmocka_unit_test(test_the_first_error_is_kept), cmocka_unit_test(test_a_launch_that_fails))
+UNIT_MAIN(open_device, close_device, test_launch_runs, test_the_first_error_is_kept, test_a_launch_that_fails)

@@ -188,8 +188,7 @@ static void writer_wants_all_volumes(void **state) {
     assert_int_equal(files_count(), before);
 }
 
-UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(items_come_in_any_order),
-          cmocka_unit_test(other_banks_and_what_follows_the_end_do_not_matter),
-          cmocka_unit_test(tables_may_descend_and_be_uneven), cmocka_unit_test(cartesian_files_are_volumes),
-          cmocka_unit_test(sequences_have_volumes), cmocka_unit_test(files_are_known_by_name_or_content),
-          cmocka_unit_test(what_is_written_is_read), cmocka_unit_test(writer_wants_all_volumes))
+UNIT_MAIN(files_setup, files_teardown, items_come_in_any_order,
+          other_banks_and_what_follows_the_end_do_not_matter, tables_may_descend_and_be_uneven,
+          cartesian_files_are_volumes, sequences_have_volumes, files_are_known_by_name_or_content,
+          what_is_written_is_read, writer_wants_all_volumes)

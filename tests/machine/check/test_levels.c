@@ -193,6 +193,5 @@ static void a_size_is_said_or_doubted(void **state) {
     assert_string_equal(size, "24 x 24 x 24 voxels of unknown size: spacing not said");
 }
 
-UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(whatever_lies_outside_was_not_scanned),
-          cmocka_unit_test(what_was_scanned_stays), cmocka_unit_test(a_constant_beside_zeros_is_found),
-          cmocka_unit_test(grey_in_channels_is_grey), cmocka_unit_test(a_size_is_said_or_doubted))
+UNIT_MAIN(files_setup, files_teardown, whatever_lies_outside_was_not_scanned, what_was_scanned_stays,
+          a_constant_beside_zeros_is_found, grey_in_channels_is_grey, a_size_is_said_or_doubted)

@@ -89,4 +89,4 @@ static void matches_definition_when_halved(void **state) {
         }
 }
 
-HOST_MAIN(cmocka_unit_test(matches_definition), cmocka_unit_test(matches_definition_when_halved))
+HOST_MAIN(matches_definition, matches_definition_when_halved)

@@ -333,8 +333,7 @@ static void shading_is_the_analytic_one_at_any_angle(void **state) {
 }
 
 int main(int argc, char **argv) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(shading_is_the_analytic_one),
-                                       cmocka_unit_test(shading_is_the_analytic_one_at_any_angle)};
     if (argc > 1) largest = (uint32_t)strtoul(argv[1], NULL, 10);
-    return cmocka_run_group_tests(tests, test_open_device, test_close_device);
+    return UNIT_RUN("lit shapes", test_open_device, test_close_device, shading_is_the_analytic_one,
+                    shading_is_the_analytic_one_at_any_angle);
 }

@@ -155,7 +155,6 @@ static void a_zoom_out_of_range_is_named(void **state) {
     }
 }
 
-UNIT_MAIN(set_up, tear_down, cmocka_unit_test(a_turned_loop_is_one_that_looks_from_there),
-          cmocka_unit_test(zoom_shows_the_middle),
-          cmocka_unit_test(a_reactivated_plugin_is_one_that_was_activated_so),
-          cmocka_unit_test(one_box_serves_every_direction), cmocka_unit_test(a_zoom_out_of_range_is_named))
+UNIT_MAIN(set_up, tear_down, a_turned_loop_is_one_that_looks_from_there, zoom_shows_the_middle,
+          a_reactivated_plugin_is_one_that_was_activated_so, one_box_serves_every_direction,
+          a_zoom_out_of_range_is_named)

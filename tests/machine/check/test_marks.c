@@ -111,9 +111,6 @@ static void test_what_is_no_mark(void **state) {
     assert_disc(0.0, 8.0f);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_remove_goes_to_the_next_tissue),
-          cmocka_unit_test(test_remove_leaves_the_last_tissue),
-          cmocka_unit_test(test_remove_works_where_it_is_seen),
-          cmocka_unit_test(test_keep_brings_back_the_skin), cmocka_unit_test(test_keep_after_remove),
-          cmocka_unit_test(test_marks_turn_with_the_volume), cmocka_unit_test(test_what_was_cut_last),
-          cmocka_unit_test(test_what_is_no_mark))
+UNIT_MAIN(NULL, NULL, test_remove_goes_to_the_next_tissue, test_remove_leaves_the_last_tissue,
+          test_remove_works_where_it_is_seen, test_keep_brings_back_the_skin, test_keep_after_remove,
+          test_marks_turn_with_the_volume, test_what_was_cut_last, test_what_is_no_mark)

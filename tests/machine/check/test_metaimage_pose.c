@@ -137,7 +137,6 @@ static void every_rule_has_a_file_on_either_side(void **state) {
     }
 }
 
-UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(the_matrix_counts_else_the_letters),
-          cmocka_unit_test(directions_and_offsets_are_taken_as_they_are),
-          cmocka_unit_test(the_probe_stands_where_the_near_end_is),
-          cmocka_unit_test(every_rule_has_a_file_on_either_side))
+UNIT_MAIN(files_setup, files_teardown, the_matrix_counts_else_the_letters,
+          directions_and_offsets_are_taken_as_they_are, the_probe_stands_where_the_near_end_is,
+          every_rule_has_a_file_on_either_side)

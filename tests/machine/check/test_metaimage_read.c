@@ -243,9 +243,6 @@ static void large_volumes_cross_the_readers_buffers(void **state) {
         assert_int_equal(volume.voxels[i], (values[i] + 128) / 257); /* 65535 / 255 = 257 */
 }
 
-UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(every_type_order_and_carrier),
-          cmocka_unit_test(padding_decides_what_a_zero_is), cmocka_unit_test(a_window_maps_and_clamps),
-          cmocka_unit_test(a_window_that_is_none_is_refused),
-          cmocka_unit_test(the_text_may_be_written_in_many_ways),
-          cmocka_unit_test(header_size_skips_bytes_of_the_data_file),
-          cmocka_unit_test(large_volumes_cross_the_readers_buffers))
+UNIT_MAIN(files_setup, files_teardown, every_type_order_and_carrier, padding_decides_what_a_zero_is,
+          a_window_maps_and_clamps, a_window_that_is_none_is_refused, the_text_may_be_written_in_many_ways,
+          header_size_skips_bytes_of_the_data_file, large_volumes_cross_the_readers_buffers)

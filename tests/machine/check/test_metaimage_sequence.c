@@ -232,11 +232,7 @@ static void other_formats_are_named(void **state) {
     files_refused("g.mha", NULL);
 }
 
-UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(volumes_come_one_after_the_other),
-          cmocka_unit_test(what_is_said_of_a_volume_is_kept),
-          cmocka_unit_test(a_file_of_invalid_volumes_is_refused),
-          cmocka_unit_test(every_rule_has_a_file_on_either_side),
-          cmocka_unit_test(the_number_of_transforms_is_bounded),
-          cmocka_unit_test(sizes_of_sequences_are_checked),
-          cmocka_unit_test(sequences_of_pictures_are_refused_by_name),
-          cmocka_unit_test(other_formats_are_named))
+UNIT_MAIN(files_setup, files_teardown, volumes_come_one_after_the_other, what_is_said_of_a_volume_is_kept,
+          a_file_of_invalid_volumes_is_refused, every_rule_has_a_file_on_either_side,
+          the_number_of_transforms_is_bounded, sizes_of_sequences_are_checked,
+          sequences_of_pictures_are_refused_by_name, other_formats_are_named)

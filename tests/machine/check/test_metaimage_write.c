@@ -170,8 +170,6 @@ static void a_full_disk_leaves_the_earlier_file(void **state) {
     assert_memory_equal(volume.voxels, bytes, COUNT);
 }
 
-UNIT_MAIN(setup, files_teardown, cmocka_unit_test(formats_read_back),
-          cmocka_unit_test(a_depthmap_is_written_as_stated),
-          cmocka_unit_test(arrays_that_cannot_be_written_are_named),
-          cmocka_unit_test(places_that_cannot_be_written_are_named),
-          cmocka_unit_test(a_full_disk_leaves_the_earlier_file))
+UNIT_MAIN(setup, files_teardown, formats_read_back, a_depthmap_is_written_as_stated,
+          arrays_that_cannot_be_written_are_named, places_that_cannot_be_written_are_named,
+          a_full_disk_leaves_the_earlier_file)

@@ -342,11 +342,9 @@ static void odd_sizes_are_drawn(void **state) {
     free(depth);
 }
 
-UNIT_MAIN(files_setup, teardown, cmocka_unit_test(viridis_is_perceptually_uniform),
-          cmocka_unit_test(the_diverging_map_is_white_in_the_middle), cmocka_unit_test(a_picture_has_limits),
-          cmocka_unit_test(blit_scales_and_clips), cmocka_unit_test(a_smaller_picture_does_not_alias),
-          cmocka_unit_test(a_saved_png_reads_back), cmocka_unit_test(a_place_that_cannot_be_written_is_named),
-          cmocka_unit_test(text_stays_in_its_place), cmocka_unit_test(a_long_text_is_set_smaller_first),
-          cmocka_unit_test(three_panels_make_1600_pixels),
-          cmocka_unit_test(a_depthmap_shows_depths_and_what_clips_nothing),
-          cmocka_unit_test(signed_maps_and_shares_use_their_colours), cmocka_unit_test(odd_sizes_are_drawn))
+UNIT_MAIN(files_setup, teardown, viridis_is_perceptually_uniform, the_diverging_map_is_white_in_the_middle,
+          a_picture_has_limits, blit_scales_and_clips, a_smaller_picture_does_not_alias,
+          a_saved_png_reads_back, a_place_that_cannot_be_written_is_named, text_stays_in_its_place,
+          a_long_text_is_set_smaller_first, three_panels_make_1600_pixels,
+          a_depthmap_shows_depths_and_what_clips_nothing, signed_maps_and_shares_use_their_colours,
+          odd_sizes_are_drawn)

@@ -87,5 +87,5 @@ static void an_impossible_jpeg_is_refused(void **state) {
     assert_null(data);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_png_is_loaded_as_it_was_saved),
-          cmocka_unit_test(a_jpeg_shows_the_picture), cmocka_unit_test(an_impossible_jpeg_is_refused))
+UNIT_MAIN(NULL, NULL, a_png_is_loaded_as_it_was_saved, a_jpeg_shows_the_picture,
+          an_impossible_jpeg_is_refused)

@@ -252,10 +252,7 @@ static void marks_are_there_only_if_something_is_known(void **state) {
     assert_string_equal(title, "scan, sweep + at -y");
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(letters_and_words_name_the_directions),
-          cmocka_unit_test(letters_give_directions), cmocka_unit_test(indices_lie_where_the_pose_says),
-          cmocka_unit_test(named_places_show_the_patient_however_the_volume_lies),
-          cmocka_unit_test(probes_look_into_the_volume),
-          cmocka_unit_test(the_probe_is_where_the_beams_come_from), cmocka_unit_test(turns_are_the_pictures),
-          cmocka_unit_test(marks_tell_what_is_at_the_right),
-          cmocka_unit_test(marks_are_there_only_if_something_is_known))
+UNIT_MAIN(NULL, NULL, letters_and_words_name_the_directions, letters_give_directions,
+          indices_lie_where_the_pose_says, named_places_show_the_patient_however_the_volume_lies,
+          probes_look_into_the_volume, the_probe_is_where_the_beams_come_from, turns_are_the_pictures,
+          marks_tell_what_is_at_the_right, marks_are_there_only_if_something_is_known)

@@ -279,6 +279,5 @@ static void test_replace(void **state) {
     hs_device_volume_destroy(source);
 }
 
-HOST_MAIN(cmocka_unit_test(test_matches_definition), cmocka_unit_test(test_cases_cover_all_ways),
-          cmocka_unit_test(test_linear_field_keeps_its_place), cmocka_unit_test(test_layouts),
-          cmocka_unit_test(test_impossible_layouts_are_refused), cmocka_unit_test(test_replace))
+HOST_MAIN(test_matches_definition, test_cases_cover_all_ways, test_linear_field_keeps_its_place, test_layouts,
+          test_impossible_layouts_are_refused, test_replace)

@@ -316,9 +316,7 @@ static void no_haze_is_left_in_the_truth(void **state) {
     assert_true(hazy < all / 100);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(gaps_are_as_long_as_asked), cmocka_unit_test(contact_leaves_no_fluid),
-          cmocka_unit_test(a_gap_needs_both_its_ends), cmocka_unit_test(a_bladder_is_no_sac),
-          cmocka_unit_test(a_scan_without_a_fetus), cmocka_unit_test(nothing_before_the_fetus),
-          cmocka_unit_test(twins_are_two), cmocka_unit_test(twins_keep_their_shape),
-          cmocka_unit_test(a_cord_lies_round_the_neck), cmocka_unit_test(hard_truths_are_exact),
-          cmocka_unit_test(no_haze_is_left_in_the_truth))
+UNIT_MAIN(NULL, NULL, gaps_are_as_long_as_asked, contact_leaves_no_fluid, a_gap_needs_both_its_ends,
+          a_bladder_is_no_sac, a_scan_without_a_fetus, nothing_before_the_fetus, twins_are_two,
+          twins_keep_their_shape, a_cord_lies_round_the_neck, hard_truths_are_exact,
+          no_haze_is_left_in_the_truth)

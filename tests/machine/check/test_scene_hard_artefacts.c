@@ -227,7 +227,6 @@ static void a_turned_camera_stands_where_it_says(void **state) {
     for (int a = 0; a < 3; a++) assert_near(10.0 * d.full.probe_turn[a * 3 + 2], middle[a] - 60.0, 1e-5);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(haze_falls_from_the_wall), cmocka_unit_test(haze_has_patches),
-          cmocka_unit_test(slices_are_thick_off_the_focus), cmocka_unit_test(a_corner_is_dark),
-          cmocka_unit_test(edges_are_soft), cmocka_unit_test(a_turned_camera_sees_the_same_scan),
-          cmocka_unit_test(a_turned_camera_stands_where_it_says))
+UNIT_MAIN(NULL, NULL, haze_falls_from_the_wall, haze_has_patches, slices_are_thick_off_the_focus,
+          a_corner_is_dark, edges_are_soft, a_turned_camera_sees_the_same_scan,
+          a_turned_camera_stands_where_it_says)

@@ -139,6 +139,5 @@ static void names_missing_files_and_bad_options(void **state) {
     assert_null(data.full.voxels);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(reads_defaults), cmocka_unit_test(tells_the_line_of_syntax_errors),
-          cmocka_unit_test(tells_the_field), cmocka_unit_test(survives_broken_files),
-          cmocka_unit_test(names_missing_files_and_bad_options))
+UNIT_MAIN(NULL, NULL, reads_defaults, tells_the_line_of_syntax_errors, tells_the_field, survives_broken_files,
+          names_missing_files_and_bad_options)

@@ -211,8 +211,6 @@ static void compresses_as_stated(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(decays_exponentially), cmocka_unit_test(bone_throws_a_shadow),
-          cmocka_unit_test(fluid_brightens), cmocka_unit_test(interfaces_follow_impedance),
-          cmocka_unit_test(edges_throw_shadows), cmocka_unit_test(bands_stand_at_multiples),
-          cmocka_unit_test(haze_has_its_level), cmocka_unit_test(noise_has_its_power),
-          cmocka_unit_test(fan_has_its_borders), cmocka_unit_test(compresses_as_stated))
+UNIT_MAIN(NULL, NULL, decays_exponentially, bone_throws_a_shadow, fluid_brightens,
+          interfaces_follow_impedance, edges_throw_shadows, bands_stand_at_multiples, haze_has_its_level,
+          noise_has_its_power, fan_has_its_borders, compresses_as_stated)

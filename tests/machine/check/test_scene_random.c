@@ -140,6 +140,5 @@ static void names_are_read_strictly(void **state) {
         if (hs_scene_drawn_name(bad[i], &s)) fail_msg("'%s' is taken for a random scene", bad[i]);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_seed_is_a_text), cmocka_unit_test(numbers_lie_in_their_ranges),
-          cmocka_unit_test(shares_are_kept), cmocka_unit_test(random_scenes_are_scenes),
-          cmocka_unit_test(greys_change_the_echoes_alone), cmocka_unit_test(names_are_read_strictly))
+UNIT_MAIN(NULL, NULL, a_seed_is_a_text, numbers_lie_in_their_ranges, shares_are_kept,
+          random_scenes_are_scenes, greys_change_the_echoes_alone, names_are_read_strictly)

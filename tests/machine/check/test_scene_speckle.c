@@ -103,5 +103,5 @@ static void interfaces_keep_their_level(void **state) {
     assert_near(level_db(f->envelope[middle + hs_field_slice(f)]), -16.79, 0.1);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(has_the_snr_of_rayleigh), cmocka_unit_test(keeps_the_mean_power),
-          cmocka_unit_test(grains_widen_off_the_focus), cmocka_unit_test(interfaces_keep_their_level))
+UNIT_MAIN(NULL, NULL, has_the_snr_of_rayleigh, keeps_the_mean_power, grains_widen_off_the_focus,
+          interfaces_keep_their_level)

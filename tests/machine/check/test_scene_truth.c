@@ -207,8 +207,6 @@ static void nine_cases_are_exact_and_frozen(void **state) {
     assert_int_equal(changed, 0);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(clean_intervals_look_dark),
-          cmocka_unit_test(what_touches_the_fetus_is_counted), cmocka_unit_test(same_seed_same_bytes),
-          cmocka_unit_test(sizes_are_free), cmocka_unit_test(frames_move_and_keep_their_truth),
-          cmocka_unit_test(real_volumes_are_their_own_truth),
-          cmocka_unit_test(nine_cases_are_exact_and_frozen))
+UNIT_MAIN(NULL, NULL, clean_intervals_look_dark, what_touches_the_fetus_is_counted, same_seed_same_bytes,
+          sizes_are_free, frames_move_and_keep_their_truth, real_volumes_are_their_own_truth,
+          nine_cases_are_exact_and_frozen)

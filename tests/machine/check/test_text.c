@@ -62,5 +62,5 @@ static void whole_lines_are_printed(void **state) {
     free(text);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(what_is_visible_stays), cmocka_unit_test(what_controls_is_shown),
-          cmocka_unit_test(what_does_not_fit_is_left_out), cmocka_unit_test(whole_lines_are_printed))
+UNIT_MAIN(NULL, NULL, what_is_visible_stays, what_controls_is_shown, what_does_not_fit_is_left_out,
+          whole_lines_are_printed)

@@ -253,9 +253,7 @@ static void the_first_failure_is_told(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(sizes_outside_the_limits_are_refused),
-          cmocka_unit_test(a_new_volume_is_zero_and_one_mm), cmocka_unit_test(unscanned_equals_a_plain_flood),
-          cmocka_unit_test(a_winding_tunnel_is_followed_to_its_end),
-          cmocka_unit_test(extremes_keep_their_meaning), cmocka_unit_test(the_fill_does_not_recurse),
-          cmocka_unit_test(a_volume_is_filled_in_pieces), cmocka_unit_test(the_first_failure_is_told),
-          cmocka_unit_test(a_box_keeps_what_lies_in_it))
+UNIT_MAIN(NULL, NULL, sizes_outside_the_limits_are_refused, a_new_volume_is_zero_and_one_mm,
+          unscanned_equals_a_plain_flood, a_winding_tunnel_is_followed_to_its_end,
+          extremes_keep_their_meaning, the_fill_does_not_recurse, a_volume_is_filled_in_pieces,
+          the_first_failure_is_told, a_box_keeps_what_lies_in_it)

@@ -269,17 +269,17 @@ static void an_extension_without_all_of_its_calls_is_none(void **state) {
     assert_null(hs_plugin_confidence(&plugin));
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(an_extension_without_all_of_its_calls_is_none),
-          cmocka_unit_test(loads_a_good_plugin_again_and_again),
-          cmocka_unit_test(a_given_id_is_found_or_answered_with_those_there_are),
-          cmocka_unit_test(files_that_are_no_plugin_are_named), cmocka_unit_test(a_text_file_is_not_loadable),
-          cmocka_unit_test(entries_that_break_the_abi_are_refused),
-          cmocka_unit_test_setup_teardown(parameters_are_found_by_key, open_plane, close_plane),
-          cmocka_unit_test_setup_teardown(values_of_every_type_are_read, open_plane, close_plane),
-          cmocka_unit_test_setup_teardown(enum_values_are_found_by_their_name, open_plane, close_plane),
-          cmocka_unit_test_setup_teardown(wrong_values_are_refused_with_what_is_allowed, open_plane,
-                                          close_plane),
-          cmocka_unit_test_setup_teardown(a_failed_call_is_told_with_path_call_status_and_reason, open_plane,
-                                          close_plane),
-          cmocka_unit_test(an_enum_may_leave_values_out),
-          cmocka_unit_test(carriers_that_are_none_are_not_taken), cmocka_unit_test(every_status_has_its_name))
+UNIT_MAIN_OF(
+    NULL, NULL, cmocka_unit_test(an_extension_without_all_of_its_calls_is_none),
+    cmocka_unit_test(loads_a_good_plugin_again_and_again),
+    cmocka_unit_test(a_given_id_is_found_or_answered_with_those_there_are),
+    cmocka_unit_test(files_that_are_no_plugin_are_named), cmocka_unit_test(a_text_file_is_not_loadable),
+    cmocka_unit_test(entries_that_break_the_abi_are_refused),
+    cmocka_unit_test_setup_teardown(parameters_are_found_by_key, open_plane, close_plane),
+    cmocka_unit_test_setup_teardown(values_of_every_type_are_read, open_plane, close_plane),
+    cmocka_unit_test_setup_teardown(enum_values_are_found_by_their_name, open_plane, close_plane),
+    cmocka_unit_test_setup_teardown(wrong_values_are_refused_with_what_is_allowed, open_plane, close_plane),
+    cmocka_unit_test_setup_teardown(a_failed_call_is_told_with_path_call_status_and_reason, open_plane,
+                                    close_plane),
+    cmocka_unit_test(an_enum_may_leave_values_out), cmocka_unit_test(carriers_that_are_none_are_not_taken),
+    cmocka_unit_test(every_status_has_its_name))

@@ -41,4 +41,4 @@ static void frames_take_no_memory(void **state) {
     f->source.count = 1;
 }
 
-UNIT_MAIN(set_up, tear_down, cmocka_unit_test(frames_take_no_memory))
+UNIT_MAIN(set_up, tear_down, frames_take_no_memory)

@@ -306,8 +306,7 @@ static void a_program_that_is_not_there(void **state) {
     hs_child_close(&child); /* safe */
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(each_end_has_its_sentence),
-          cmocka_unit_test(a_hanging_child_is_ended_in_time), cmocka_unit_test(what_it_started_ends_with_it),
-          cmocka_unit_test(it_dies_with_its_parent), cmocka_unit_test(messages_travel_whole),
-          cmocka_unit_test(a_program_gets_what_is_passed), cmocka_unit_test(a_program_that_is_not_there),
-          cmocka_unit_test(nobody_else_is_ended), cmocka_unit_test(what_it_prints_is_bounded))
+UNIT_MAIN(NULL, NULL, each_end_has_its_sentence, a_hanging_child_is_ended_in_time,
+          what_it_started_ends_with_it, it_dies_with_its_parent, messages_travel_whole,
+          a_program_gets_what_is_passed, a_program_that_is_not_there, nobody_else_is_ended,
+          what_it_prints_is_bounded)

@@ -115,5 +115,5 @@ static void every_frame_has_its_own(void **state) {
     }
 }
 
-UNIT_MAIN(set_up, tear_down, cmocka_unit_test(what_is_of_no_use_leaves_the_picture_as_without),
-          cmocka_unit_test(a_map_that_is_one_widens_the_window), cmocka_unit_test(every_frame_has_its_own))
+UNIT_MAIN(set_up, tear_down, what_is_of_no_use_leaves_the_picture_as_without,
+          a_map_that_is_one_widens_the_window, every_frame_has_its_own)

@@ -272,7 +272,6 @@ static int set_up_crashes(void **state) {
     return set_up(state);
 }
 
-UNIT_MAIN(set_up_crashes, tear_down, cmocka_unit_test(every_way_gives_the_same_bits),
-          cmocka_unit_test(parameters_tell_the_same), cmocka_unit_test(extensions_reach_through),
-          cmocka_unit_test(a_crash_costs_its_frame), cmocka_unit_test(restarts_are_bounded),
-          cmocka_unit_test(an_error_is_an_error), cmocka_unit_test(who_is_guarded))
+UNIT_MAIN(set_up_crashes, tear_down, every_way_gives_the_same_bits, parameters_tell_the_same,
+          extensions_reach_through, a_crash_costs_its_frame, restarts_are_bounded, an_error_is_an_error,
+          who_is_guarded)

@@ -285,9 +285,7 @@ static void elements_are_counted(void **state) {
     }
 }
 
-UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(every_syntax_is_read),
-          cmocka_unit_test(a_padding_byte_is_no_item), cmocka_unit_test(what_lies_before_it_is_passed_over),
-          cmocka_unit_test(every_cut_is_noticed), cmocka_unit_test(lengths_beyond_the_file_are_refused),
-          cmocka_unit_test(wrong_nesting_is_refused), cmocka_unit_test(other_syntaxes_are_refused),
-          cmocka_unit_test(one_volume_is_expected), cmocka_unit_test(the_volume_is_checked),
-          cmocka_unit_test(the_volume_ends_where_its_element_does), cmocka_unit_test(elements_are_counted))
+UNIT_MAIN(files_setup, files_teardown, every_syntax_is_read, a_padding_byte_is_no_item,
+          what_lies_before_it_is_passed_over, every_cut_is_noticed, lengths_beyond_the_file_are_refused,
+          wrong_nesting_is_refused, other_syntaxes_are_refused, one_volume_is_expected, the_volume_is_checked,
+          the_volume_ends_where_its_element_does, elements_are_counted)

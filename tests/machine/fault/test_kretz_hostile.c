@@ -270,7 +270,5 @@ static void texts_are_passed_over(void **state) {
     assert_null(strstr(err.text, "MUSTER"));
 }
 
-UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(sizes_are_checked),
-          cmocka_unit_test(voxels_are_checked), cmocka_unit_test(tables_are_checked),
-          cmocka_unit_test(lengths_are_checked), cmocka_unit_test(cartesian_files_are_checked),
-          cmocka_unit_test(texts_are_passed_over))
+UNIT_MAIN(files_setup, files_teardown, sizes_are_checked, voxels_are_checked, tables_are_checked,
+          lengths_are_checked, cartesian_files_are_checked, texts_are_passed_over)

@@ -130,8 +130,6 @@ static void a_shrinking_file_is_an_error(void **state) {
     hs_kretz_close(kretz);
 }
 
-UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(what_follows_the_end_is_not_read),
-          cmocka_unit_test(every_cut_is_noticed), cmocka_unit_test(lengths_beyond_the_file_are_refused),
-          cmocka_unit_test(swapped_numbers_are_named), cmocka_unit_test(other_files_are_named),
-          cmocka_unit_test(items_are_counted), cmocka_unit_test(large_files_are_read),
-          cmocka_unit_test(a_shrinking_file_is_an_error))
+UNIT_MAIN(files_setup, files_teardown, what_follows_the_end_is_not_read, every_cut_is_noticed,
+          lengths_beyond_the_file_are_refused, swapped_numbers_are_named, other_files_are_named,
+          items_are_counted, large_files_are_read, a_shrinking_file_is_an_error)

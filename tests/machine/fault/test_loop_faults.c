@@ -166,11 +166,8 @@ static void impossible_options_are_refused(void **state) {
     }
 }
 
-UNIT_MAIN(set_up, tear_down, cmocka_unit_test(a_plugin_that_fails_in_any_call_leaves_an_unclipped_picture),
-          cmocka_unit_test(a_note_is_rendered_unclipped_and_is_no_error),
-          cmocka_unit_test(a_value_the_plugin_refuses_names_it),
-          cmocka_unit_test(a_failed_frame_does_not_end_the_loop),
-          cmocka_unit_test(a_frame_that_cannot_be_meant_is_a_failure),
-          cmocka_unit_test(an_adjust_that_writes_nothing_is_a_failure),
-          cmocka_unit_test(no_plugin_at_all_renders_unclipped),
-          cmocka_unit_test(impossible_options_are_refused))
+UNIT_MAIN(set_up, tear_down, a_plugin_that_fails_in_any_call_leaves_an_unclipped_picture,
+          a_note_is_rendered_unclipped_and_is_no_error, a_value_the_plugin_refuses_names_it,
+          a_failed_frame_does_not_end_the_loop, a_frame_that_cannot_be_meant_is_a_failure,
+          an_adjust_that_writes_nothing_is_a_failure, no_plugin_at_all_renders_unclipped,
+          impossible_options_are_refused)

@@ -385,12 +385,7 @@ static int setup(void **state) {
     return files_setup(state);
 }
 
-UNIT_MAIN(setup, files_teardown, cmocka_unit_test(fields), cmocka_unit_test(sizes),
-          cmocka_unit_test(encodings), cmocka_unit_test(data), cmocka_unit_test(data_files),
-          cmocka_unit_test(values), cmocka_unit_test(compressed),
-          cmocka_unit_test(every_truncation_is_refused),
-          cmocka_unit_test(every_damaged_byte_of_compressed_data_is_noticed),
-          cmocka_unit_test(compressed_streams_must_fit_the_header),
-          cmocka_unit_test(what_is_no_metaimage_is_refused),
-          cmocka_unit_test(skipped_values_stay_out_of_messages),
-          cmocka_unit_test(messages_stay_one_printable_line))
+UNIT_MAIN(setup, files_teardown, fields, sizes, encodings, data, data_files, values, compressed,
+          every_truncation_is_refused, every_damaged_byte_of_compressed_data_is_noticed,
+          compressed_streams_must_fit_the_header, what_is_no_metaimage_is_refused,
+          skipped_values_stay_out_of_messages, messages_stay_one_printable_line)

@@ -75,5 +75,4 @@ static void an_ignored_signal_is_none(void **state) {
     assert_int_equal(files_count(), 0);
 }
 
-UNIT_MAIN(files_setup, files_teardown, cmocka_unit_test(signals_remove_what_is_half_written),
-          cmocka_unit_test(an_ignored_signal_is_none))
+UNIT_MAIN(files_setup, files_teardown, signals_remove_what_is_half_written, an_ignored_signal_is_none)

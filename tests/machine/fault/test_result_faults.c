@@ -91,6 +91,5 @@ static void words_name_results(void **state) {
     }
 }
 
-UNIT_MAIN(result_set_up, result_tear_down, cmocka_unit_test(files_of_two_types_make_no_sequence),
-          cmocka_unit_test(a_file_that_changed_is_noticed),
-          cmocka_unit_test(a_failed_plugin_cuts_nothing_away), cmocka_unit_test(words_name_results))
+UNIT_MAIN(result_set_up, result_tear_down, files_of_two_types_make_no_sequence,
+          a_file_that_changed_is_noticed, a_failed_plugin_cuts_nothing_away, words_name_results)

@@ -307,11 +307,8 @@ static int set_up_levels(void **state) {
     return sequence_set_up(state);
 }
 
-UNIT_MAIN(set_up_levels, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
-          cmocka_unit_test(volumes_come_in_any_order), cmocka_unit_test(sequences_may_stand_among_them),
-          cmocka_unit_test(ranges_are_kept), cmocka_unit_test(every_frame_shows_its_volume),
-          cmocka_unit_test(a_file_that_changes_is_told), cmocka_unit_test(what_does_not_fit_is_refused),
-          cmocka_unit_test(geometries_are_compared),
-          cmocka_unit_test(what_a_kretz_file_says_itself_is_refused),
-          cmocka_unit_test(gaps_are_told_by_the_padding_value),
-          cmocka_unit_test(cartesian_voxels_are_handed_on))
+UNIT_MAIN(set_up_levels, sequence_tear_down, memory_stays_flat, volumes_come_in_any_order,
+          sequences_may_stand_among_them, ranges_are_kept, every_frame_shows_its_volume,
+          a_file_that_changes_is_told, what_does_not_fit_is_refused, geometries_are_compared,
+          what_a_kretz_file_says_itself_is_refused, gaps_are_told_by_the_padding_value,
+          cartesian_voxels_are_handed_on)

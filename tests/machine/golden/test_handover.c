@@ -185,7 +185,5 @@ static void what_continues(void **state) {
     }
 }
 
-UNIT_MAIN(set_up, tear_down, cmocka_unit_test(ranges_are_the_fan),
-          cmocka_unit_test(slabs_go_as_the_plugin_takes_them),
-          cmocka_unit_test(what_it_does_not_take_is_said), cmocka_unit_test(millimetres_and_time),
-          cmocka_unit_test(where_the_probe_is), cmocka_unit_test(what_continues))
+UNIT_MAIN(set_up, tear_down, ranges_are_the_fan, slabs_go_as_the_plugin_takes_them,
+          what_it_does_not_take_is_said, millimetres_and_time, where_the_probe_is, what_continues)

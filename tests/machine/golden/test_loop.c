@@ -293,15 +293,9 @@ static void the_ground_truth_is_rendered_with_the_same_camera(void **state) {
     assert_int_equal(view.truth[0], red_at(FETUS, &o.dvr));
 }
 
-UNIT_MAIN(set_up, tear_down, cmocka_unit_test(the_format_covers_the_volume),
-          cmocka_unit_test(a_pixel_is_a_millimetre_where_the_source_allows_it),
-          cmocka_unit_test(a_flat_plane_clips_where_it_lies),
-          cmocka_unit_test(every_carrier_and_queue_gives_the_picture_of_a_tilted_plane),
-          cmocka_unit_test(a_partial_map_clips_where_it_has_a_surface),
-          cmocka_unit_test(a_doubtful_surface_is_called_so),
-          cmocka_unit_test(a_note_of_begin_changes_nothing),
-          cmocka_unit_test(frames_create_and_compile_nothing), cmocka_unit_test(results_add_up),
-          cmocka_unit_test(a_sequence_shows_its_volumes_in_turn),
-          cmocka_unit_test(a_live_scan_is_uploaded_anew),
-          cmocka_unit_test(an_orbit_keeps_one_box_and_lies_around_its_yaw),
-          cmocka_unit_test(the_ground_truth_is_rendered_with_the_same_camera))
+UNIT_MAIN(set_up, tear_down, the_format_covers_the_volume, a_pixel_is_a_millimetre_where_the_source_allows_it,
+          a_flat_plane_clips_where_it_lies, every_carrier_and_queue_gives_the_picture_of_a_tilted_plane,
+          a_partial_map_clips_where_it_has_a_surface, a_doubtful_surface_is_called_so,
+          a_note_of_begin_changes_nothing, frames_create_and_compile_nothing, results_add_up,
+          a_sequence_shows_its_volumes_in_turn, a_live_scan_is_uploaded_anew,
+          an_orbit_keeps_one_box_and_lies_around_its_yaw, the_ground_truth_is_rendered_with_the_same_camera)

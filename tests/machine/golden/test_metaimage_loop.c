@@ -212,8 +212,6 @@ static void a_read_that_failed_starts_anew(void **state) {
     hs_metaimage_close(file);
 }
 
-UNIT_MAIN(sequence_set_up, sequence_tear_down, cmocka_unit_test(memory_stays_flat),
-          cmocka_unit_test(volumes_come_in_any_order), cmocka_unit_test(what_is_said_stays_with_its_volume),
-          cmocka_unit_test(a_stream_ends_at_once), cmocka_unit_test(every_frame_shows_its_volume),
-          cmocka_unit_test(a_failing_file_is_told), cmocka_unit_test(damaged_data_is_told),
-          cmocka_unit_test(trailing_data_is_told), cmocka_unit_test(a_read_that_failed_starts_anew))
+UNIT_MAIN(sequence_set_up, sequence_tear_down, memory_stays_flat, volumes_come_in_any_order,
+          what_is_said_stays_with_its_volume, a_stream_ends_at_once, every_frame_shows_its_volume,
+          a_failing_file_is_told, damaged_data_is_told, trailing_data_is_told, a_read_that_failed_starts_anew)

@@ -244,6 +244,5 @@ static void sequences_read_back(void **state) {
     assert_true(hs_source_volume(source, 0)->pose.origin[2] == source_offset[2]);
 }
 
-UNIT_MAIN(result_set_up, result_tear_down, cmocka_unit_test(five_cameras_make_the_round_trip),
-          cmocka_unit_test(the_maps_lie_as_the_camera_looks), cmocka_unit_test(depths_are_millimetres),
-          cmocka_unit_test(sequences_give_sequences), cmocka_unit_test(sequences_read_back))
+UNIT_MAIN(result_set_up, result_tear_down, five_cameras_make_the_round_trip, the_maps_lie_as_the_camera_looks,
+          depths_are_millimetres, sequences_give_sequences, sequences_read_back)

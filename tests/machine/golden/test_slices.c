@@ -69,5 +69,4 @@ static int tear_down_fonts(void **state) {
     return tear_down(state);
 }
 
-UNIT_MAIN(set_up, tear_down_fonts, cmocka_unit_test(the_line_is_where_the_plane_is),
-          cmocka_unit_test(nothing_clipped_is_said_in_words))
+UNIT_MAIN(set_up, tear_down_fonts, the_line_is_where_the_plane_is, nothing_clipped_is_said_in_words)

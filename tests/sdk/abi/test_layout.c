@@ -37,4 +37,4 @@ static void test_has_field(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_handles_are_opencl_types), cmocka_unit_test(test_has_field))
+UNIT_MAIN(NULL, NULL, test_handles_are_opencl_types, test_has_field)

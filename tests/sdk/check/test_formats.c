@@ -234,6 +234,6 @@ static void many_passes(void **state) {
     assert_int_equal(compare_print("many passes").max_passes, WIDTH - 3);
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(every_kernel), RIG_TEST(sizes), RIG_TEST(carriers_and_tiles),
-          RIG_TEST(any_split), RIG_TEST(long_slabs), RIG_TEST(sums_of_64_bits), RIG_TEST(longest_volume),
-          RIG_TEST(float_sums_would_drift), RIG_TEST(many_passes))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(every_kernel), RIG_TEST(sizes), RIG_TEST(carriers_and_tiles),
+             RIG_TEST(any_split), RIG_TEST(long_slabs), RIG_TEST(sums_of_64_bits), RIG_TEST(longest_volume),
+             RIG_TEST(float_sums_would_drift), RIG_TEST(many_passes))

@@ -207,5 +207,5 @@ static void both_ends(void **state) {
     gives(*state, "both ends", m, 0.5f, 1, (const double[]){15.5}, 1, ROUNDING);
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(figure_3_11), RIG_TEST(lines), RIG_TEST(borders), RIG_TEST(one_point),
-          RIG_TEST(window_larger_than_image), RIG_TEST(weight_zero), RIG_TEST(knob), RIG_TEST(both_ends))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(figure_3_11), RIG_TEST(lines), RIG_TEST(borders), RIG_TEST(one_point),
+             RIG_TEST(window_larger_than_image), RIG_TEST(weight_zero), RIG_TEST(knob), RIG_TEST(both_ends))

@@ -158,4 +158,4 @@ static void deep_patches(void **state) {
     check(*state, &p, "patches");
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(deep_scattered), RIG_TEST(deep_patches))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(deep_scattered), RIG_TEST(deep_patches))

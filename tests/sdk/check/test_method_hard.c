@@ -143,4 +143,4 @@ static void test_spline_ways(void **state) {
         }
 }
 
-UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_every_method), cmocka_unit_test(test_spline_ways))
+UNIT_MAIN(rig_setup, rig_teardown, test_every_method, test_spline_ways)

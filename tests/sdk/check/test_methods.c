@@ -97,6 +97,5 @@ static void test_nothing_is_left(void **state) {
     assert_true(methods > 0);
 }
 
-UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_definition), cmocka_unit_test(test_volumes),
-          cmocka_unit_test(test_patches), cmocka_unit_test(test_adjust),
-          cmocka_unit_test(test_nothing_is_left))
+UNIT_MAIN(rig_setup, rig_teardown, test_definition, test_volumes, test_patches, test_adjust,
+          test_nothing_is_left)

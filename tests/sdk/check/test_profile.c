@@ -270,4 +270,4 @@ static void evidence_by_hand(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(rays_by_hand), RIG_TEST(thresholds_by_hand), RIG_TEST(evidence_by_hand))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(rays_by_hand), RIG_TEST(thresholds_by_hand), RIG_TEST(evidence_by_hand))

@@ -163,5 +163,5 @@ static void wrong_ranges(void **state) {
 }
 
 #define SCENE_TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
-UNIT_MAIN(NULL, NULL, SCENE_TEST(device_is_definition), SCENE_TEST(ranges_are_padding),
-          SCENE_TEST(wrong_ranges))
+UNIT_MAIN_OF(NULL, NULL, SCENE_TEST(device_is_definition), SCENE_TEST(ranges_are_padding),
+             SCENE_TEST(wrong_ranges))

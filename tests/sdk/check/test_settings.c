@@ -116,5 +116,5 @@ static void evidence(void **state) {
     compare_all(*state, "evidence", 7 * 8, share);
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(windows_and_weights), RIG_TEST(fluid_thresholds), RIG_TEST(bone_modes),
-          RIG_TEST(evidence))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(windows_and_weights), RIG_TEST(fluid_thresholds), RIG_TEST(bone_modes),
+             RIG_TEST(evidence))

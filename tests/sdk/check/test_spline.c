@@ -255,7 +255,5 @@ static void test_extension(void **state) {
     assert_true(report.residual == 0.0f && report.condition == 1.0f);
 }
 
-UNIT_MAIN(rig_setup, rig_teardown, cmocka_unit_test(test_lapack), cmocka_unit_test(test_reference_solver),
-          cmocka_unit_test(test_degenerate), cmocka_unit_test(test_too_many),
-          cmocka_unit_test(test_coarse_grid), cmocka_unit_test(test_extension),
-          cmocka_unit_test(test_coarse_grid_anywhere))
+UNIT_MAIN(rig_setup, rig_teardown, test_lapack, test_reference_solver, test_degenerate, test_too_many,
+          test_coarse_grid, test_extension, test_coarse_grid_anywhere)

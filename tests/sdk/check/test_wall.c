@@ -176,6 +176,6 @@ static void test_ranges(void **state) {
     assert_false(wall_compare(*state, &none, volume, "nothing was scanned"));
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(test_scenes), RIG_TEST(test_spacings), RIG_TEST(test_single_voxels),
-          RIG_TEST(test_bone_at_once), RIG_TEST(test_any_volume), RIG_TEST(test_ranges),
-          RIG_TEST(test_turned_box))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(test_scenes), RIG_TEST(test_spacings), RIG_TEST(test_single_voxels),
+             RIG_TEST(test_bone_at_once), RIG_TEST(test_any_volume), RIG_TEST(test_ranges),
+             RIG_TEST(test_turned_box))

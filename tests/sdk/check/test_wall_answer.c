@@ -242,9 +242,7 @@ static void test_darkest_fifth(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_confidence_of_a_doubtful_ray),
-          cmocka_unit_test(test_confidence_of_a_cost), cmocka_unit_test(test_bright_fluid_is_less_sure),
-          cmocka_unit_test(test_near_field_is_no_fluid), cmocka_unit_test(test_near_field_is_broad),
-          cmocka_unit_test(test_skin_tells_nothing), cmocka_unit_test(test_surface_lies_in_what_is_dark),
-          cmocka_unit_test(test_dim_front_is_no_wall), cmocka_unit_test(test_darkest_fifth),
-          cmocka_unit_test(test_last_outcome_is_kept))
+UNIT_MAIN(NULL, NULL, test_confidence_of_a_doubtful_ray, test_confidence_of_a_cost,
+          test_bright_fluid_is_less_sure, test_near_field_is_no_fluid, test_near_field_is_broad,
+          test_skin_tells_nothing, test_surface_lies_in_what_is_dark, test_dim_front_is_no_wall,
+          test_darkest_fifth, test_last_outcome_is_kept)

@@ -252,7 +252,7 @@ static void test_kernels_follow_the_definition(void **state) {
         if (outcome != SV_WALL_EMPTY) assert_true(answers[outcome] > 0);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_grid_follows_the_fan),
-          cmocka_unit_test(test_untold_beams_have_no_grid),
-          cmocka_unit_test(test_every_camera_has_the_same_answer),
-          RIG_TEST(test_an_answer_holds_for_its_volume), RIG_TEST(test_kernels_follow_the_definition))
+UNIT_MAIN_OF(NULL, NULL, cmocka_unit_test(test_grid_follows_the_fan),
+             cmocka_unit_test(test_untold_beams_have_no_grid),
+             cmocka_unit_test(test_every_camera_has_the_same_answer),
+             RIG_TEST(test_an_answer_holds_for_its_volume), RIG_TEST(test_kernels_follow_the_definition))

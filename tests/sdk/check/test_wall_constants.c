@@ -397,14 +397,10 @@ static void a_surface_has_no_narrow_pits(void **state) {
     assert_near(bottom_of_pit(4, &s), 20.0, 1e-4);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(blocks_are_of_about_two_millimetres),
-          cmocka_unit_test(a_twentieth_is_darker), cmocka_unit_test(all_that_is_bright_weighs_a_twentieth),
-          cmocka_unit_test(a_front_is_dim_from_two_fifths_on), cmocka_unit_test(brightness_reaches_two_cells),
-          cmocka_unit_test(the_wall_is_the_median_and_its_spread_that_of_the_deciles),
-          cmocka_unit_test(a_wall_on_few_rays_is_assumed),
-          cmocka_unit_test(three_rays_and_one_half_make_the_fetus), cmocka_unit_test(what_errors_cost),
-          cmocka_unit_test(what_is_dim_is_no_certain_fluid), cmocka_unit_test(the_first_fluid_is_certain),
-          cmocka_unit_test(one_side_weighs_three_tenths),
-          cmocka_unit_test(layers_are_averaged_and_the_knob_moves_over_some),
-          cmocka_unit_test(the_gaussian_smooths_costs), cmocka_unit_test(the_median_looks_six_rays_aside),
-          cmocka_unit_test(a_surface_has_no_narrow_pits))
+UNIT_MAIN(NULL, NULL, blocks_are_of_about_two_millimetres, a_twentieth_is_darker,
+          all_that_is_bright_weighs_a_twentieth, a_front_is_dim_from_two_fifths_on,
+          brightness_reaches_two_cells, the_wall_is_the_median_and_its_spread_that_of_the_deciles,
+          a_wall_on_few_rays_is_assumed, three_rays_and_one_half_make_the_fetus, what_errors_cost,
+          what_is_dim_is_no_certain_fluid, the_first_fluid_is_certain, one_side_weighs_three_tenths,
+          layers_are_averaged_and_the_knob_moves_over_some, the_gaussian_smooths_costs,
+          the_median_looks_six_rays_aside, a_surface_has_no_narrow_pits)

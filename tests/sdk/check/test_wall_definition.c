@@ -311,12 +311,7 @@ static void test_bad_input(void **state) {
     assert_refused(v, "ray (0, 1)", "end 3");
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_stands_between_wall_and_fetus),
-          cmocka_unit_test(test_mirrored_and_transposed), cmocka_unit_test(test_room_in_front_moves_it),
-          cmocka_unit_test(test_bare_fetus), cmocka_unit_test(test_bare_and_dim),
-          cmocka_unit_test(test_touching), cmocka_unit_test(test_no_fluid), cmocka_unit_test(test_haze),
-          cmocka_unit_test(test_speckle), cmocka_unit_test(test_no_fetus),
-          cmocka_unit_test(test_nothing_brighter_than_the_wall), cmocka_unit_test(test_empty),
-          cmocka_unit_test(test_small), cmocka_unit_test(test_unscanned_rays),
-          cmocka_unit_test(test_everything_scanned), cmocka_unit_test(test_confidence_is_in_range),
-          cmocka_unit_test(test_bad_input))
+UNIT_MAIN(NULL, NULL, test_stands_between_wall_and_fetus, test_mirrored_and_transposed,
+          test_room_in_front_moves_it, test_bare_fetus, test_bare_and_dim, test_touching, test_no_fluid,
+          test_haze, test_speckle, test_no_fetus, test_nothing_brighter_than_the_wall, test_empty, test_small,
+          test_unscanned_rays, test_everything_scanned, test_confidence_is_in_range, test_bad_input)

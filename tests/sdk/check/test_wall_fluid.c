@@ -187,6 +187,5 @@ static void test_dim_between_skin_and_bone(void **state) {
     assert_int_equal(rays_before_line(DIM, &no_dim), 0);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(test_fading_tissue), cmocka_unit_test(test_bladder),
-          cmocka_unit_test(test_enclosed), cmocka_unit_test(test_finger), cmocka_unit_test(test_limb),
-          cmocka_unit_test(test_dim_between_skin_and_bone))
+UNIT_MAIN(NULL, NULL, test_fading_tissue, test_bladder, test_enclosed, test_finger, test_limb,
+          test_dim_between_skin_and_bone)

@@ -147,4 +147,4 @@ static void first_frames_remember_nothing(void **state) {
     assert_int_equal(run_frame(r, NEAR, 0, SV_WALL_DOUBTFUL), SV_WALL_DOUBTFUL);
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(answers_do_not_flicker), RIG_TEST(first_frames_remember_nothing))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(answers_do_not_flicker), RIG_TEST(first_frames_remember_nothing))

@@ -162,5 +162,5 @@ static void a_comma_stays_outside(void **state) {
     if (!taken) skip();
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_line_left_out_is_named), cmocka_unit_test(kernels_are_named),
-          RIG_TEST(a_comma_stays_outside))
+UNIT_MAIN_OF(NULL, NULL, cmocka_unit_test(a_line_left_out_is_named), cmocka_unit_test(kernels_are_named),
+             RIG_TEST(a_comma_stays_outside))

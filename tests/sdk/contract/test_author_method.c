@@ -321,6 +321,4 @@ static void wrong_tables(void **state) {
     assert_null(p);
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(a_method_that_fails), cmocka_unit_test(parameters),
-          cmocka_unit_test(voxels_and_ranges), cmocka_unit_test(where_the_probe_is),
-          cmocka_unit_test(wrong_tables))
+UNIT_MAIN(NULL, NULL, a_method_that_fails, parameters, voxels_and_ranges, where_the_probe_is, wrong_tables)

@@ -108,5 +108,6 @@ static void another_method_has_no_map(void **state) {
     assert_int_equal(extension(r)->write(r->plugin, out.depth, NULL, 0), SV_ERR_STATE);
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(write_gives_what_read_gives), RIG_TEST(a_buffer_is_written_where_it_was_asked),
-          RIG_TEST(a_queue_of_its_own_reaches_no_buffer_of_the_host), RIG_TEST(another_method_has_no_map))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(write_gives_what_read_gives),
+             RIG_TEST(a_buffer_is_written_where_it_was_asked),
+             RIG_TEST(a_queue_of_its_own_reaches_no_buffer_of_the_host), RIG_TEST(another_method_has_no_map))

@@ -119,5 +119,5 @@ static void opencl_objects(void **state) {
     fixture_works(f);
 }
 
-UNIT_MAIN(NULL, NULL, FIXTURE_TEST(calls_in_the_wrong_state), FIXTURE_TEST(format_fields),
-          FIXTURE_TEST(opencl_objects))
+UNIT_MAIN_OF(NULL, NULL, FIXTURE_TEST(calls_in_the_wrong_state), FIXTURE_TEST(format_fields),
+             FIXTURE_TEST(opencl_objects))

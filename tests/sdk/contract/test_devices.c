@@ -108,4 +108,4 @@ static void the_first_that_works(void **state) {
     takes(aborts, 1, NULL, -1, "take a device of another one");
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(the_first_that_works))
+UNIT_MAIN(NULL, NULL, the_first_that_works)

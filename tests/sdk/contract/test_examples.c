@@ -230,7 +230,5 @@ static void build_errors_name_lines(void **state) {
     r->plugin->deactivate(r->plugin);
 }
 
-UNIT_MAIN(open_examples, close_examples, cmocka_unit_test(depth_follows_q),
-          cmocka_unit_test(outliers_and_holes), cmocka_unit_test(a_part_without_surface),
-          cmocka_unit_test(gap_in_millimetres), cmocka_unit_test(only_what_was_scanned),
-          cmocka_unit_test(kernels_equal_the_cpu), cmocka_unit_test(build_errors_name_lines))
+UNIT_MAIN(open_examples, close_examples, depth_follows_q, outliers_and_holes, a_part_without_surface,
+          gap_in_millimetres, only_what_was_scanned, kernels_equal_the_cpu, build_errors_name_lines)

@@ -264,6 +264,6 @@ static void activation_compiles_what_frames_launch(void **state) {
         }
 }
 
-UNIT_MAIN(NULL, NULL, FIXTURE_TEST(each_program_is_built_once), FIXTURE_TEST(frames_are_quiet),
-          FIXTURE_TEST(refusals_are_quiet), FIXTURE_TEST(what_runs_is_waited_for), FIXTURE_TEST(timed_frames),
-          FIXTURE_TEST(activation_compiles_what_frames_launch))
+UNIT_MAIN_OF(NULL, NULL, FIXTURE_TEST(each_program_is_built_once), FIXTURE_TEST(frames_are_quiet),
+             FIXTURE_TEST(refusals_are_quiet), FIXTURE_TEST(what_runs_is_waited_for),
+             FIXTURE_TEST(timed_frames), FIXTURE_TEST(activation_compiles_what_frames_launch))

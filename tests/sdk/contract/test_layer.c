@@ -274,9 +274,7 @@ static void the_page_has_the_rules(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(stop_makes_errors), cmocka_unit_test(off_is_the_plugin_itself),
-          cmocka_unit_test(repeated_breaches_are_told_less_and_less),
-          cmocka_unit_test(a_failed_call_leaves_no_nan), cmocka_unit_test(a_file_beside_it_has_the_settings),
-          cmocka_unit_test(an_installation_needs_no_setting), cmocka_unit_test(what_cannot_be_used_is_told),
-          cmocka_unit_test(destroy_waits_for_what_is_under_way), cmocka_unit_test(what_passes_is_recorded),
-          cmocka_unit_test(an_activation_that_is_stopped_is_undone), cmocka_unit_test(the_page_has_the_rules))
+UNIT_MAIN(NULL, NULL, stop_makes_errors, off_is_the_plugin_itself, repeated_breaches_are_told_less_and_less,
+          a_failed_call_leaves_no_nan, a_file_beside_it_has_the_settings, an_installation_needs_no_setting,
+          what_cannot_be_used_is_told, destroy_waits_for_what_is_under_way, what_passes_is_recorded,
+          an_activation_that_is_stopped_is_undone, the_page_has_the_rules)

@@ -401,10 +401,6 @@ static void two_threads_are_the_hosts_fault(void **state) {
     }
 }
 
-int main(void) {
-    /* The first one forks, and must find no OpenCL in this process. */
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_a_careless_host_finds_is_named),
-                                       cmocka_unit_test(no_right_plugin_is_blamed),
-                                       cmocka_unit_test(two_threads_are_the_hosts_fault)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+/* The first one forks, and must find no OpenCL in this process. */
+UNIT_MAIN(NULL, NULL, what_a_careless_host_finds_is_named, no_right_plugin_is_blamed,
+          two_threads_are_the_hosts_fault)

@@ -292,4 +292,4 @@ static void every_rule_is_broken_and_named(void **state) {
             fail_msg("%s is %s here", rules[n].id, broken[n] ? "seen" : "not broken");
 }
 
-UNIT_MAIN(NULL, NULL, cmocka_unit_test(every_rule_is_broken_and_named))
+UNIT_MAIN(NULL, NULL, every_rule_is_broken_and_named)

@@ -234,5 +234,5 @@ static void what_cannot_be_is_refused(void **state) {
     assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_FORMAT);
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(told_is_taken), RIG_TEST(the_device_counts), RIG_TEST(the_largest_format),
-          RIG_TEST(what_cannot_be_is_refused))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(told_is_taken), RIG_TEST(the_device_counts), RIG_TEST(the_largest_format),
+             RIG_TEST(what_cannot_be_is_refused))

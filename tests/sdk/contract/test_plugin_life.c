@@ -97,5 +97,5 @@ static void kernels_that_compute_wrongly(void **state) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, FIXTURE_TEST(another_format_after_another), FIXTURE_TEST(a_fork_is_told),
-          FIXTURE_TEST(kernels_that_do_not_build), FIXTURE_TEST(kernels_that_compute_wrongly))
+UNIT_MAIN_OF(NULL, NULL, FIXTURE_TEST(another_format_after_another), FIXTURE_TEST(a_fork_is_told),
+             FIXTURE_TEST(kernels_that_do_not_build), FIXTURE_TEST(kernels_that_compute_wrongly))

@@ -154,5 +154,5 @@ static void wrong_results(void **state) {
     fixture_frame_is_good(f);
 }
 
-UNIT_MAIN(NULL, NULL, FIXTURE_TEST_ACTIVE(slab_shape), FIXTURE_TEST(memory_that_was_not_registered),
-          FIXTURE_TEST(wrong_buffers), FIXTURE_TEST(wrong_images), FIXTURE_TEST_ACTIVE(wrong_results))
+UNIT_MAIN_OF(NULL, NULL, FIXTURE_TEST_ACTIVE(slab_shape), FIXTURE_TEST(memory_that_was_not_registered),
+             FIXTURE_TEST(wrong_buffers), FIXTURE_TEST(wrong_images), FIXTURE_TEST_ACTIVE(wrong_results))

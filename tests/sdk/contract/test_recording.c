@@ -336,6 +336,6 @@ static void options_are_checked(void **state) {
     assert_non_null(strstr(error, "/nowhere/x: No such file"));
 }
 
-UNIT_MAIN(NULL, NULL, RIG_TEST(carriers_come_back), RIG_TEST(a_ring_keeps_the_last),
-          RIG_TEST(what_is_not_whole_is_told), RIG_TEST(a_fork_adds_nothing),
-          cmocka_unit_test(what_was_not_finished_is_kept), cmocka_unit_test(options_are_checked))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(carriers_come_back), RIG_TEST(a_ring_keeps_the_last),
+             RIG_TEST(what_is_not_whole_is_told), RIG_TEST(a_fork_adds_nothing),
+             cmocka_unit_test(what_was_not_finished_is_kept), cmocka_unit_test(options_are_checked))

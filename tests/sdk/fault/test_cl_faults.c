@@ -374,8 +374,8 @@ static void build_log(void **state) {
     fixture_works(f);
 }
 
-UNIT_MAIN(NULL, NULL, FIXTURE_TEST(activations), FIXTURE_TEST(activate_with_wide_vectors),
-          FIXTURE_TEST(frames), FIXTURE_TEST(a_lost_device), FIXTURE_TEST(outputs_and_timing),
-          FIXTURE_TEST(stage_times_of_a_failing_query), FIXTURE_TEST(methods),
-          FIXTURE_TEST(wrong_answers_are_noticed), FIXTURE_TEST(allocations), FIXTURE_TEST(create),
-          FIXTURE_TEST(build_log))
+UNIT_MAIN_OF(NULL, NULL, FIXTURE_TEST(activations), FIXTURE_TEST(activate_with_wide_vectors),
+             FIXTURE_TEST(frames), FIXTURE_TEST(a_lost_device), FIXTURE_TEST(outputs_and_timing),
+             FIXTURE_TEST(stage_times_of_a_failing_query), FIXTURE_TEST(methods),
+             FIXTURE_TEST(wrong_answers_are_noticed), FIXTURE_TEST(allocations), FIXTURE_TEST(create),
+             FIXTURE_TEST(build_log))
