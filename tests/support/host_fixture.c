@@ -44,9 +44,8 @@ void keep_volume(const hs_volume *volume) {
 }
 
 hs_volume test_volume(test_random *random, int pattern, const uint32_t size[3], const double spacing[3]) {
-    hs_error err = {HS_OK, ""};
     hs_volume volume;
-    if (!hs_volume_init(&volume, size[0], size[1], size[2], &err)) fail_msg("%s", err.text);
+    must(hs_volume_init(&volume, size[0], size[1], size[2], &err));
     keep_volume(&volume);
     memcpy(volume.spacing, spacing, sizeof volume.spacing);
     uint8_t *voxel = volume.voxels;

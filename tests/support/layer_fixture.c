@@ -62,9 +62,8 @@ void layer_create(layer_subject *s) {
 
 /* Buffers and the host's queue. */
 void layer_take_queue(layer_subject *s) {
-    hs_error err = {0};
     cl_int code = CL_SUCCESS;
-    if (!hs_cl_open_bare(&s->cl, &err)) fail_msg("%s", err.text);
+    must(hs_cl_open_bare(&s->cl, &err));
     s->format.context = s->cl.context;
     s->format.device = s->cl.device;
     s->format.queue = s->cl.queue;

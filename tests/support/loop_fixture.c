@@ -5,8 +5,7 @@
 
 hs_volume make_layers(bool bright) {
     hs_volume v;
-    hs_error err = {0};
-    assert_true(hs_volume_init(&v, N, N, N, &err));
+    must(hs_volume_init(&v, N, N, N, &err));
     keep_volume(&v);
     for (size_t i = 0; i < hs_volume_count(&v); i++) {
         const size_t z = i / (N * N);
@@ -65,10 +64,9 @@ static void close_plugin(void *plugin) {
 hs_plugin *open_plugin(const char *name) {
     hs_plugin *plugin = unit_memory(sizeof *plugin);
     char path[1024];
-    hs_error err = {0};
     const char *build = getenv("SV_BUILD_DIR");
     (void)snprintf(path, sizeof path, "%s/tests/plugins/%s.so", build ? build : ".", name);
-    if (!hs_plugin_open(plugin, path, NULL, SV_LOG_WARNING, &err)) fail_msg("%s", err.text);
+    must(hs_plugin_open(plugin, path, NULL, SV_LOG_WARNING, &err));
     unit_keep(close_plugin, plugin);
     return plugin;
 }
@@ -78,9 +76,8 @@ static void close_source(void *source) {
 }
 
 hs_source *open_source(const char *const *paths, uint32_t count, const hs_source_files *how) {
-    hs_error err = {0};
     hs_source *source = unit_memory(sizeof *source);
-    if (!hs_source_open_files(source, paths, count, how, &err)) fail_msg("%s", err.text);
+    must(hs_source_open_files(source, paths, count, how, &err));
     unit_keep(close_source, source);
     return source;
 }
@@ -132,8 +129,7 @@ static void free_view(void *view) {
 
 hs_view view_of(hs_loop *loop, uint32_t index) {
     hs_view *view = unit_memory(sizeof *view);
-    hs_error err = {0};
-    if (!hs_loop_view(loop, index, view, &err)) fail_msg("%s", err.text);
+    must(hs_loop_view(loop, index, view, &err));
     unit_keep(free_view, view);
     return *view;
 }

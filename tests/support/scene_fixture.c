@@ -16,18 +16,16 @@ static void free_scene(void *data) {
 
 hs_scene_spec empty_spec(void) {
     hs_scene_spec spec;
-    hs_error err = {0};
-    if (!hs_scene_read_text("empty.json", EMPTY_SCENE, &spec, &err)) fail_msg("%s", err.text);
+    must(hs_scene_read_text("empty.json", EMPTY_SCENE, &spec, &err));
     return spec;
 }
 
 hs_field *one_tissue_field(uint32_t n, float h, hs_tissue tissue) {
     const uint32_t size[3] = {n, n, n};
     const float spacing[3] = {h, h, h};
-    hs_error err = {0};
     hs_field *field = unit_memory(sizeof *field);
     unit_keep(free_field, field);
-    if (!hs_field_init(field, size, spacing, &err)) fail_msg("%s", err.text);
+    must(hs_field_init(field, size, spacing, &err));
     field->threads = 2;
     field->seed = 7;
     field->noise_seed = hs_random_key(7, 1000);
@@ -44,10 +42,9 @@ double level_db(int16_t level) {
 }
 
 hs_scene_data scene_frame(hs_scene *scene, const hs_scene_options *options) {
-    hs_error err = {0};
     hs_scene_data *out = unit_memory(sizeof *out);
     unit_keep(free_scene, out);
-    if (!hs_scene_frame(scene, options, out, &err)) fail_msg("%s", err.text);
+    must(hs_scene_frame(scene, options, out, &err));
     hs_scene_close(scene);
     return *out;
 }

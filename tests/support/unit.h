@@ -40,6 +40,13 @@ uint32_t unit_random(uint32_t *state);
         if (!strstr((err).text, words)) fail_msg("'%s' does not say '%s'", (err).text, words);               \
     } while (0)
 
+/* Fails, with its reason, unless the call succeeds; what it tells goes to `&err`, an hs_error of its own. */
+#define must(call)                                                                                           \
+    do {                                                                                                     \
+        hs_error err = {0};                                                                                  \
+        if (!(call)) fail_msg("%s: %s", #call, err.text);                                                    \
+    } while (0)
+
 /* Runs these tests, by their names, between the group's set-up and tear-down (NULL: none); how many failed.
  */
 #define UNIT_RUN(group, set_up, tear_down, ...)                                                              \

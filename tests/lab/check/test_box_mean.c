@@ -85,9 +85,8 @@ static box_error measure(const hs_volume *source, const hs_camera *camera, const
 /* Half as wide a fan at the front as at the back and 0 around it, or all of it scanned. */
 static hs_volume make_volume(bool fan) {
     test_random random = {5};
-    hs_error err = {0};
     hs_volume v;
-    assert_true(hs_volume_init(&v, SIZE, SIZE, SIZE, &err));
+    must(hs_volume_init(&v, SIZE, SIZE, SIZE, &err));
     for (uint32_t i = 0; i < SIZE * SIZE * SIZE; i++) {
         const double x = i % SIZE - 0.5 * (SIZE - 1), z = i / (SIZE * SIZE);
         const bool scanned = !fan || fabs(x) < 0.25 * SIZE + 0.25 * z;
@@ -132,11 +131,10 @@ static void means_are_near_the_exact_ones(void **state) {
 
 /* The measure can tell: a volume that is five levels too bright is five levels off. */
 static void a_wrong_volume_is_told(void **state) {
-    hs_error err = {0};
     hs_volume v;
     hs_camera camera;
     uint8_t voxels[64];
-    assert_true(hs_volume_init(&v, 12, 12, 12, &err));
+    must(hs_volume_init(&v, 12, 12, 12, &err));
     memset(v.voxels, 100, 12 * 12 * 12);
     memset(voxels, 105, sizeof voxels);
     voxels[7] = 0;

@@ -21,7 +21,6 @@ enum { OUTSIDE_COLUMNS = 5, SAC_COLUMNS = 6, FETUS_COLUMNS = 5 };
 
 static rig open_rig(fixture *f) {
     rig r = {.f = f, .truth = make_layers(false)};
-    hs_error err = {0};
     for (size_t i = 0; i < hs_volume_count(&r.truth); i++)
         if (i / (N * N) < FLUID) r.truth.voxels[i] = 10;
     for (int i = 0; i < N * N; i++)
@@ -29,7 +28,7 @@ static rig open_rig(fixture *f) {
     hs_loop_options options = options_with(NULL, 0);
     options.dvr.width = options.dvr.height = LOW;
     r.loop = make_loop(f, &options);
-    if (!hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err)) fail_msg("%s", err.text);
+    must(hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err));
     return r;
 }
 

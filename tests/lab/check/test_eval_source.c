@@ -14,10 +14,9 @@ typedef struct {
 } fixture;
 
 static void write_map(const char *file, hs_met_type type, const void *data, uint32_t n) {
-    hs_error err = {0};
     const hs_metaimage_format format = {
         .type = type, .dims = 3, .size = {n, n, 1}, .spacing = {1, 1, 1}, .compress = true};
-    if (!hs_metaimage_write(files_path(file), &format, data, &err)) fail_msg("%s", err.text);
+    must(hs_metaimage_write(files_path(file), &format, data, &err));
 }
 
 static void write_maps(const fixture *f) {
@@ -28,7 +27,6 @@ static void write_maps(const fixture *f) {
 /* Maps that are unlike in every column and row, and a ray without a label of which nothing was scanned. */
 static int make_files(void **state) {
     fixture *f = unit_memory(sizeof *f);
-    hs_error err = {0};
     assert_int_equal(files_setup(state), 0);
     f->scene = make_scene("D01", N, 2, 7, 0);
     /* Black fluid: zeros that the maps must tell from what was not scanned. */
@@ -40,7 +38,7 @@ static int make_files(void **state) {
     }
     assert_int_equal(f->scene.label[0], HS_LABEL_NEITHER);
     f->first[0] = f->end[0] = 5;
-    if (!hs_scene_export(&f->scene, files_path("D01"), &err)) fail_msg("%s", err.text);
+    must(hs_scene_export(&f->scene, files_path("D01"), &err));
     write_maps(f);
     *state = f;
     return 0;

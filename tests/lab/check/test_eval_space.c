@@ -42,8 +42,7 @@ static int close_rig(void **state) {
 
 static hs_eval_space make_space(rig *r) {
     hs_eval_space space;
-    hs_error err = {0};
-    if (!hs_eval_space_open(&space, &r->plan, &r->c, &err)) fail_msg("%s", err.text);
+    must(hs_eval_space_open(&space, &r->plan, &r->c, &err));
     return space;
 }
 
@@ -51,8 +50,7 @@ static hs_eval_space make_space(rig *r) {
 static void axes_are_those_of_the_thesis(void **state) {
     rig *r = *state;
     hs_eval_plan plan;
-    hs_error err = {0};
-    assert_true(hs_eval_plan_make(&plan, &r->plugin, NULL, 0, false, &err));
+    must(hs_eval_plan_make(&plan, &r->plugin, NULL, 0, false, &err));
     assert_int_equal(plan.threshold.count, 51);
     assert_int_equal(plan.kernel.count, 16);
     assert_int_equal(plan.knob.count, 31);
@@ -68,9 +66,8 @@ static void quick_way_is_the_direct_one(void **state) {
     rig *r = *state;
     test_random random = {77};
     double elsewhere = 0;
-    hs_error err = {0};
     hs_eval_space space = make_space(r);
-    if (!hs_eval_space_run(&space, &r->c, NULL, &err)) fail_msg("%s", err.text);
+    must(hs_eval_space_run(&space, &r->c, NULL, &err));
     for (int n = 0; n < 60; n++) {
         const uint32_t item = unit_random(&random.state) % space.items,
                        q = unit_random(&random.state) % r->plan.knob.count;
@@ -78,9 +75,9 @@ static void quick_way_is_the_direct_one(void **state) {
         hs_eval_values values;
         hs_measures direct;
         sv_status outcome;
-        assert_true(hs_eval_plan_values(&r->plan, item, &values, &err));
-        assert_true(hs_eval_values_add(&values, r->plan.knob.info.id, r->plan.knob.value[q], &err));
-        if (!hs_eval_case_direct(&r->c, &values, &direct, &outcome, &err)) fail_msg("%s", err.text);
+        must(hs_eval_plan_values(&r->plan, item, &values, &err));
+        must(hs_eval_values_add(&values, r->plan.knob.info.id, r->plan.knob.value[q], &err));
+        must(hs_eval_case_direct(&r->c, &values, &direct, &outcome, &err));
         assert_int_equal(outcome, space.outcome[item]);
         for (int m = 0; m < HS_MEASURE_COUNT; m++)
             if (fabs((double)(quick->of[m] - direct.of[m])) > 1e-3)
@@ -96,7 +93,6 @@ static void quick_way_is_the_direct_one(void **state) {
 /* Two cases whose maxima differ by three steps of 0.05: their best common setting is found by Delta_MI. */
 static void common_setting_is_found_by_delta(void **state) {
     rig *r = *state;
-    hs_error err = {0};
     hs_eval_space spaces[2] = {make_space(r), make_space(r)};
     hs_eval_mean mean;
     uint32_t t;
@@ -112,7 +108,7 @@ static void common_setting_is_found_by_delta(void **state) {
         spaces[s].at[(low[s].threshold * k + low[s].kernel) * q + low[s].knob].of[HS_MEASURE_ABS] = 2;
         spaces[s].at[(own[s].threshold * k + own[s].kernel) * q + own[s].knob].of[HS_MEASURE_ABS] = 1;
     }
-    assert_true(hs_eval_mean_make(&mean, spaces, 2, &err));
+    must(hs_eval_mean_make(&mean, spaces, 2, &err));
     assert_true(fabs(mean.delta[mean.best] - 0.2) < 1e-9);
     assert_int_equal(mean.best_kernel, 1);
     assert_int_equal(mean.best_knob, 4);

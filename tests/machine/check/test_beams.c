@@ -62,7 +62,6 @@ static hs_beams *make_beams(const geometry *g) {
  * their place. */
 static hs_volume make_volume(const geometry *g, double spacing, double (*field)(const double[3])) {
     test_random random = {77};
-    hs_error err = {0};
     hs_volume volume;
     hs_beams *b = make_beams(g);
     for (size_t n = 0; n < hs_beams_count(b); n++) {
@@ -73,7 +72,7 @@ static hs_volume make_volume(const geometry *g, double spacing, double (*field)(
             (uint8_t)(field ? lrint(field(place))
                             : (int)(unit_random(&random.state) % 4 ? unit_random(&random.state) % 256 : 0));
     }
-    if (!hs_beams_cartesian_init(&volume, b, spacing, &err)) fail_msg("%s", err.text);
+    must(hs_beams_cartesian_init(&volume, b, spacing, &err));
     hs_beams_cartesian_fill(&volume);
     return volume;
 }

@@ -56,9 +56,8 @@ static void an_origin_is_a_page_of_this_host(void **unused) {
 
 static void a_token_must_be_whole(void **unused) {
     char token[HS_CONSOLE_TOKEN], other[HS_CONSOLE_TOKEN], query[128];
-    hs_error err = {0};
-    assert_true(hs_console_make_token(token, &err));
-    assert_true(hs_console_make_token(other, &err));
+    must(hs_console_make_token(token, &err));
+    must(hs_console_make_token(other, &err));
     assert_int_equal(strlen(token), HS_CONSOLE_TOKEN - 1);
     assert_int_equal(strspn(token, "0123456789abcdef"), HS_CONSOLE_TOKEN - 1);
     assert_string_not_equal(token, other);
@@ -104,8 +103,7 @@ static int make_tree(void **state) {
     link_to("..", "given/up");
     link_to(".", "given/loop/again");
     hs_console_files *files = calloc(1, sizeof *files);
-    hs_error err = {0};
-    assert_true(hs_console_files_add(files, files_path("given"), &err));
+    must(hs_console_files_add(files, files_path("given"), &err));
     *state = files;
     return 0;
 }

@@ -54,7 +54,6 @@ static hs_volume seen_from(const hs_volume *v, const geometry *g, hs_probe face,
     const uint32_t n[3] = {v->nx, v->ny, v->nz};
     uint32_t first[3], count[3], size[3] = {0}, at[3];
     double axes[9];
-    hs_error err = {0};
     hs_volume out;
     for (int k = 0; k < 3; k++) {
         first[k] = (uint32_t)(g->from[k] * n[k]);
@@ -64,7 +63,7 @@ static hs_volume seen_from(const hs_volume *v, const geometry *g, hs_probe face,
     for (int m = 0; m < 3; m++)
         for (int k = 0; k < 3; k++)
             if (axes[m * 3 + k] != 0.0) size[m] = count[k];
-    if (!hs_volume_init(&out, size[0], size[1], size[2], &err)) fail_msg("%s", err.text);
+    must(hs_volume_init(&out, size[0], size[1], size[2], &err));
     for (int m = 0; m < 3; m++) {
         out.spacing[m] = v->spacing[m];
         apex[m] = 0.0;
@@ -189,9 +188,8 @@ static bool is_inside(int kind, double x, double y, double z) {
 static void others_are_none(void **state) {
     for (int kind = 0; kind < 4; kind++)
         for (int stated = 0; stated < 2; stated++) {
-            hs_error err = {0};
             hs_volume v;
-            assert_true(hs_volume_init(&v, 80, 70, 60, &err));
+            must(hs_volume_init(&v, 80, 70, 60, &err));
             for (size_t n = 0; n < hs_volume_count(&v); n++)
                 v.voxels[n] = is_inside(kind, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
                                         (double)(n / 5600) / 60 - 0.5);
@@ -212,12 +210,11 @@ static void real_scans(void **state) {
     for (size_t i = 0; i < sizeof scans / sizeof *scans; i++) {
         char path[PATH_MAX];
         struct stat status;
-        hs_error err = {0};
         hs_volume v;
         (void)snprintf(path, sizeof path, "%s/../shared/data/%s", source ? source : ".", scans[i]);
         if (stat(path, &status) != 0) continue;
         found++;
-        if (!hs_metaimage_read(path, NULL, &v, &err)) fail_msg("%s", err.text);
+        must(hs_metaimage_read(path, NULL, &v, &err));
         hs_volume_find_beams(&v);
         if (v.course.kind != HS_BEAMS_FAN || v.probe != HS_PROBE_LOW_Z || v.course.misfit > 0.2)
             fail_msg("%s: kind %d, misfit %g", v.name, v.course.kind, v.course.misfit);

@@ -11,9 +11,8 @@ typedef struct {
 
 static int open_device(void **state) {
     static fixture f;
-    hs_error err = {0};
     cl_int code = CL_SUCCESS;
-    if (!hs_cl_open_lanes(&f.cl, 1, &err)) fail_msg("%s", err.text);
+    must(hs_cl_open_lanes(&f.cl, 1, &err));
     f.kernel = clCreateKernel(f.cl.program, "build_brick_grid", &code);
     assert_int_equal(code, CL_SUCCESS);
     f.buffer = clCreateBuffer(f.cl.context, CL_MEM_READ_WRITE, 64, NULL, &code);

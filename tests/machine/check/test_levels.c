@@ -138,10 +138,9 @@ static void a_constant_beside_zeros_is_found(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         box b = {{0}, false};
         hs_levels levels;
-        hs_error err = {0};
         for (int c = 0; c < 8; c++) b.corner[c] = c < 4 ? cases[i].front[c] : cases[i].rear;
         hs_levels_begin(&levels);
-        assert_true(hs_levels_find_outside(&levels, size, cases[i].zero, read_box, &b, &err));
+        must(hs_levels_find_outside(&levels, size, cases[i].zero, read_box, &b, &err));
         if (levels.has_outside != cases[i].found || b.reads_rear != cases[i].reads_rear ||
             (levels.has_outside && levels.outside != cases[i].outside))
             fail_msg("case %zu: found %d, %g; the rear was read: %d", i, levels.has_outside, levels.outside,

@@ -170,9 +170,8 @@ static void fill_block(const body *b, hs_volume *v, const uint32_t first[3]) {
 
 static hs_volume fill_volume(const body *b, uint32_t size) {
     hs_volume v;
-    hs_error err = {0};
     assert_int_equal(size % BLOCK, 0);
-    if (!hs_volume_init(&v, size, size, size, &err)) fail_msg("%s", err.text);
+    must(hs_volume_init(&v, size, size, size, &err));
     for (int k = 0; k < 3; k++) v.spacing[k] = EXTENT / size;
     for (uint32_t z = 0; z < size; z += BLOCK)
         for (uint32_t y = 0; y < size; y += BLOCK)

@@ -27,9 +27,8 @@ static hs_volume cord_before_face(hs_camera *camera) {
 
 static void apply_all(const hs_mark *marks, uint32_t count) {
     hs_camera camera;
-    hs_error err = {0};
     const hs_volume volume = cord_before_face(&camera);
-    assert_true(hs_marks_apply(marks, count, &volume, &camera, n, depth, &err));
+    must(hs_marks_apply(marks, count, &volume, &camera, n, depth, &err));
 }
 
 static void apply(double z, double radius, uint32_t keep) {
@@ -71,12 +70,11 @@ static void test_keep_after_remove(void **state) {
 /* From behind the same mark is at the same place of the volume, seen at the other end of the rays. */
 static void test_marks_turn_with_the_volume(void **state) {
     hs_camera camera;
-    hs_error err = {0};
     const hs_volume volume = cord_before_face(&camera);
     hs_camera_look(&camera, &volume, 180.0, 0.0);
     const hs_mark mark = {{6.0, 6.0, 17.0}, 1.0, 0};
     for (int i = 0; i < SIDE * SIDE; i++) depth[i] = 18.0f; /* behind the face, which ends at 15 of 40 */
-    assert_true(hs_marks_apply(&mark, 1, &volume, &camera, n, depth, &err));
+    must(hs_marks_apply(&mark, 1, &volume, &camera, n, depth, &err));
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++) /* the skin begins at 35; x is reversed: 11 - 6 */
             assert_float_equal(depth[y * SIDE + x], hypot(x - 5, y - 6) <= 1.0 ? 34.0f : 18.0f, 0.0f);

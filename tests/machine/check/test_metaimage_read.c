@@ -235,8 +235,7 @@ static void large_volumes_cross_the_readers_buffers(void **state) {
     values[1] = 65535;
     const hs_metaimage_format format = {
         .type = HS_MET_USHORT, .dims = 3, .size = {SIDE, SIDE, SIDE}, .spacing = {1, 1, 1}, .compress = true};
-    hs_error err = {0};
-    assert_true(hs_metaimage_write(files_path("large.mha"), &format, values, &err));
+    must(hs_metaimage_write(files_path("large.mha"), &format, values, &err));
     const hs_metaimage_options as_stored = {.padding = HS_PADDING_ALL};
     hs_volume volume = files_read("large.mha", &as_stored);
     for (size_t i = 0; i < count; i++)

@@ -44,8 +44,7 @@ static const void *data_of(const hs_metaimage_format *format) {
 }
 
 static void write_ok(const char *name, const hs_metaimage_format *format) {
-    hs_error err = {0};
-    if (!hs_metaimage_write(files_path(name), format, data_of(format), &err)) fail_msg("%s", err.text);
+    must(hs_metaimage_write(files_path(name), format, data_of(format), &err));
 }
 
 /* Read with a window that makes the 8-bit value known: u8 as it is, u16 by 256 levels

@@ -25,9 +25,8 @@ static void free_picture(void *picture) {
 
 /* It is kept for the test. */
 static hs_picture blank(uint32_t width, uint32_t height, uint32_t colour) {
-    hs_error err = {0};
     hs_picture *p = unit_memory(sizeof *p);
-    assert_true(hs_picture_init(p, width, height, colour, &err));
+    must(hs_picture_init(p, width, height, colour, &err));
     unit_keep(free_picture, p);
     return *p;
 }
@@ -212,10 +211,9 @@ static void text_stays_in_its_place(void **state) {
                                         "broken \xff\xfe \xed\xa0\x80 \xc0\xaf name"};
     for (size_t i = 0; i < 4; i++) {
         for (int align = HS_ALIGN_LEFT; align <= HS_ALIGN_RIGHT; align++) {
-            hs_error err = {0};
             uint32_t box[4];
             hs_picture p = blank(300, 60, 0);
-            assert_true(hs_picture_text(&p, 150, 40, 20, 0xffffff, (hs_align)align, 120, texts[i], &err));
+            must(hs_picture_text(&p, 150, 40, 20, 0xffffff, (hs_align)align, 120, texts[i], &err));
             ink_box(&p, box);
             const uint32_t left = align == HS_ALIGN_LEFT ? 150 : align == HS_ALIGN_CENTRE ? 90 : 30;
             assert_true(box[0] + 2 >= left &&
@@ -249,16 +247,15 @@ static void three_panels_make_1600_pixels(void **state) {
     hs_panel_item items[3] = {
         {"result", {rgba[0], 64, 64}}, {"full volume", {rgba[1], 64, 64}}, {NULL, {rgba[2], 64, 64}}};
     const hs_caption caption = {"title", "one\ntwo"};
-    hs_error err = {0};
     hs_picture p, bare;
-    assert_true(hs_picture_panel(&p, items, 3, 0, &caption, &err));
+    must(hs_picture_panel(&p, items, 3, 0, &caption, &err));
     assert_int_equal(p.width, 1600);
     for (uint32_t i = 0; i < 3; i++) /* 16 pixels between pictures of 512 */
         for (uint32_t at = 0; at < 512; at += 511)
             assert_int_equal(pixel(&p, 16 + i * 528 + at, 300), 60 * (i + 1) * 0x010101);
     assert_int_equal(pixel(&p, 15, 300), HS_COLOUR_BACKGROUND);
     assert_int_equal(pixel(&p, 16 + 512, 300), HS_COLOUR_BACKGROUND);
-    assert_true(hs_picture_panel(&bare, items, 1, 128, &(hs_caption){NULL, NULL}, &err));
+    must(hs_picture_panel(&bare, items, 1, 128, &(hs_caption){NULL, NULL}, &err));
     assert_int_equal(bare.width, 160);
     hs_picture_free(&bare);
     hs_picture_free(&p);
@@ -301,9 +298,8 @@ static void signed_maps_and_shares_use_their_colours(void **state) {
     float value[64] = {0};
     value[0] = 4.0f, value[1] = -2.0f, value[2] = NAN, value[3] = -4.0f;
     const hs_signed_words words = {"error", "steps", "occluder left", "fetus cut"};
-    hs_error err = {0};
     hs_picture p;
-    assert_true(hs_picture_signed(&p, value, 8, 8, 4.0f, &words, &(hs_caption){"error", NULL}, &err));
+    must(hs_picture_signed(&p, value, 8, 8, 4.0f, &words, &(hs_caption){"error", NULL}, &err));
     assert_int_equal(map_pixel(&p, 0, 0), hs_colour_diverging(1.0));
     assert_int_equal(map_pixel(&p, 1, 0), hs_colour_diverging(-0.5));
     assert_int_equal(map_pixel(&p, 2, 0), HS_COLOUR_NO_VALUE);
@@ -313,7 +309,7 @@ static void signed_maps_and_shares_use_their_colours(void **state) {
     const hs_share_words shares = {"confidence", "sure", "unsure"};
     float share[64] = {0};
     share[0] = 1.0f, share[1] = 0.25f, share[2] = NAN, share[3] = 1.01f, share[4] = -0.01f;
-    assert_true(hs_picture_share(&p, share, 8, 8, &shares, &(hs_caption){"shares", NULL}, &err));
+    must(hs_picture_share(&p, share, 8, 8, &shares, &(hs_caption){"shares", NULL}, &err));
     assert_int_equal(map_pixel(&p, 0, 0), hs_colour_viridis(1.0));
     assert_int_equal(map_pixel(&p, 1, 0), hs_colour_viridis(0.25));
     for (uint32_t i = 2; i < 5; i++) assert_int_equal(map_pixel(&p, i, 0), HS_COLOUR_INVALID);
@@ -330,10 +326,9 @@ static void odd_sizes_are_drawn(void **state) {
     assert_non_null(depth);
     for (int i = 0; i < 171 * 128; i++) depth[i] = (float)(i % 97) * 1e-3f;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        hs_error err = {0};
         hs_picture a, b;
-        assert_true(hs_picture_depthmap(&a, depth, sizes[i][0], sizes[i][1], &(hs_caption){NULL, "x"}, &err));
-        assert_true(hs_picture_depthmap(&b, depth, sizes[i][0], sizes[i][1], &(hs_caption){NULL, "x"}, &err));
+        must(hs_picture_depthmap(&a, depth, sizes[i][0], sizes[i][1], &(hs_caption){NULL, "x"}, &err));
+        must(hs_picture_depthmap(&b, depth, sizes[i][0], sizes[i][1], &(hs_caption){NULL, "x"}, &err));
         assert_true(a.width <= 1280 + 400 && a.height <= 1280 + 100);
         assert_memory_equal(a.pixels, b.pixels, (size_t)a.width * a.height * sizeof *a.pixels);
         hs_picture_free(&a);

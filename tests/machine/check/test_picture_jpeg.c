@@ -14,9 +14,8 @@ static uint32_t colour_at(uint32_t x, uint32_t y) {
 }
 
 static hs_picture make(void) {
-    hs_error err = {0};
     hs_picture p;
-    assert_true(hs_picture_init(&p, WIDTH, HEIGHT, 0, &err));
+    must(hs_picture_init(&p, WIDTH, HEIGHT, 0, &err));
     for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) p.pixels[i] = colour_at(i % WIDTH, i / WIDTH);
     return p;
 }
@@ -50,12 +49,11 @@ static void a_png_is_loaded_as_it_was_saved(void **state) {
 }
 
 static void a_jpeg_shows_the_picture(void **state) {
-    hs_error err = {0};
     hs_picture p = make();
     uint8_t *data[2];
     size_t bytes[2];
-    assert_true(hs_picture_jpeg(&p, 88, &data[0], &bytes[0], &err));
-    assert_true(hs_picture_jpeg(&p, 30, &data[1], &bytes[1], &err));
+    must(hs_picture_jpeg(&p, 88, &data[0], &bytes[0], &err));
+    must(hs_picture_jpeg(&p, 30, &data[1], &bytes[1], &err));
     assert_true(bytes[1] < bytes[0] && bytes[0] < WIDTH * HEIGHT);
     static uint8_t rgb[3 * WIDTH * HEIGHT];
     tjhandle handle = tjInitDecompress();

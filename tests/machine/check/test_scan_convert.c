@@ -139,9 +139,8 @@ static void test_cases_cover_all_ways(void **state) {
 /* A mean over the box: on a linear field it is the value at the box' centre. */
 static void test_linear_field_keeps_its_place(void **state) {
     const uint32_t size[3] = {60, 60, 60}, lowres[3] = {20, 20, 20};
-    hs_error err = {HS_OK, ""};
     hs_volume volume;
-    assert_true(hs_volume_init(&volume, size[0], size[1], size[2], &err));
+    must(hs_volume_init(&volume, size[0], size[1], size[2], &err));
     for (size_t i = 0; i < hs_volume_count(&volume); i++) {
         volume.voxels[i] = (uint8_t)(10 + i % 60 + 2 * (i / 60 % 60) + i / 3600);
     }

@@ -124,12 +124,11 @@ static void a_corner_is_dark(void **state) {
 static hs_field *echo_of(const char *text) {
     hs_scene_spec spec;
     hs_solid_list solids = {0};
-    hs_error err = {0};
-    if (!hs_scene_read_text("soft.json", text, &spec, &err)) fail_msg("%s", err.text);
+    must(hs_scene_read_text("soft.json", text, &spec, &err));
     hs_field *f = one_tissue_field(N, spec.extent_mm / N, HS_TISSUE_FLUID);
-    assert_true(hs_field_add_style(f, &err));
-    assert_true(hs_scene_solids(&spec, 1, &solids, &err));
-    assert_true(hs_scene_raster(f, &spec, &solids, NULL, &err));
+    must(hs_field_add_style(f, &err));
+    must(hs_scene_solids(&spec, 1, &solids, &err));
+    must(hs_scene_raster(f, &spec, &solids, NULL, &err));
     hs_scene_echo(f, &spec);
     hs_solid_list_free(&solids);
     return f;

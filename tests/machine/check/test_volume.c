@@ -8,9 +8,8 @@
 #include <pthread.h>
 
 static hs_volume make(uint32_t nx, uint32_t ny, uint32_t nz) {
-    hs_error err = {0};
     hs_volume volume;
-    assert_true(hs_volume_init(&volume, nx, ny, nz, &err));
+    must(hs_volume_init(&volume, nx, ny, nz, &err));
     keep_volume(&volume);
     return volume;
 }
@@ -44,8 +43,7 @@ static void sizes_outside_the_limits_are_refused(void **state) {
 
 static void a_new_volume_is_zero_and_one_mm(void **state) {
     hs_volume volume;
-    hs_error err = {0};
-    assert_true(hs_volume_init(&volume, 3, 5, 7, &err));
+    must(hs_volume_init(&volume, 3, 5, 7, &err));
     assert_int_equal(hs_volume_count(&volume), 105);
     assert_int_equal(count_value(&volume, 0), 105);
     for (int axis = 0; axis < 3; axis++) assert_true(volume.spacing[axis] == 1.0);
@@ -205,15 +203,14 @@ static void expect_pattern(const hs_volume *volume) {
 
 /* Every voxel once, with one thread in order. */
 static void a_volume_is_filled_in_pieces(void **state) {
-    hs_error err = {0};
     hs_volume plain = make(FILL_X, FILL_Y, FILL_Z);
     pattern in_order = {.fail_from = SIZE_MAX, .in_order = true}, at_once = {.fail_from = SIZE_MAX};
-    assert_true(hs_volume_fill(&plain, 1, fill_pattern, &in_order, &err));
+    must(hs_volume_fill(&plain, 1, fill_pattern, &in_order, &err));
     assert_true(in_order.calls > 2);
     assert_int_equal(in_order.next, FILL);
     expect_pattern(&plain);
     memset(plain.voxels, 0, FILL);
-    assert_true(hs_volume_fill(&plain, 8, fill_pattern, &at_once, &err));
+    must(hs_volume_fill(&plain, 8, fill_pattern, &at_once, &err));
     expect_pattern(&plain);
 }
 

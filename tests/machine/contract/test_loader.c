@@ -30,9 +30,7 @@ static void expect_failure(const char *path, const char *id, const char *const *
 static void loads_a_good_plugin_again_and_again(void **state) {
     for (int i = 0; i < 20; i++) {
         hs_plugin plugin;
-        hs_error err = {0};
-        if (!hs_plugin_open(&plugin, plugin_path("plane.so"), NULL, SV_LOG_ERROR, &err))
-            fail_msg("%s", err.text);
+        must(hs_plugin_open(&plugin, plugin_path("plane.so"), NULL, SV_LOG_ERROR, &err));
         assert_string_equal(plugin.instance->descriptor->id, "org.smartvis.test.plane");
         assert_int_equal(plugin.abi_major, SV_ABI_MAJOR);
         assert_ptr_equal(plugin.host.host_data, &plugin);

@@ -10,7 +10,6 @@
 static void frames_take_no_memory(void **state) {
     fixture *f = *state;
     const sv_param_value value = {.id = DEPTH, .value = 5};
-    hs_error err = {0};
     if (!heap_spy_works()) skip();
     f->source.count = 2; /* two volumes in turns */
     for (int n = 0; n < 4; n++) {
@@ -21,15 +20,14 @@ static void frames_take_no_memory(void **state) {
         hs_loop *loop = make_loop(f, &o);
         hs_frame frame;
         /* Buffers around the two volumes' memory are made when each comes for the first time. */
-        for (uint32_t i = 0; i < 2; i++)
-            assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, i, &frame, &err));
+        for (uint32_t i = 0; i < 2; i++) must(hs_loop_frame(loop, HS_SETTING_SMARTVIS, i, &frame, &err));
         spy_watch((const void *)&f->cl); /* static: it lies in this program, as the host does */
         heap_spy_watch((const void *)&f->cl);
         spy_reset();
         heap_spy_reset();
         for (uint32_t i = 2; i < FRAMES; i++)
             for (int setting = 0; setting < HS_SETTING_COUNT; setting++)
-                if (!hs_loop_frame(loop, (hs_setting)setting, i, &frame, &err)) fail_msg("%s", err.text);
+                must(hs_loop_frame(loop, (hs_setting)setting, i, &frame, &err));
         const uint32_t allocations = heap_spy_count();
         assert_true(spy_count(SPY_ENQUEUE) > 0); /* the spy sees the host */
         if (allocations || spy_count(SPY_CREATE) || spy_count(SPY_BUILD) || spy_count(SPY_RELEASE))

@@ -76,9 +76,8 @@ static void each_end_has_its_sentence(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const hs_child_limits limits = {.memory_bytes = MEMORY_LIMIT};
         hs_child child;
-        hs_error err = {0};
         char sentence[128];
-        if (!hs_child_fork(&child, &limits, cases[i].work, cases[i].context, &err)) fail_msg("%s", err.text);
+        must(hs_child_fork(&child, &limits, cases[i].work, cases[i].context, &err));
         assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_ENDED);
         hs_child_tell(&child.end, sentence, sizeof sentence);
         assert_string_equal(sentence, cases[i].sentence);
@@ -90,10 +89,9 @@ static void each_end_has_its_sentence(void **state) {
 
 static void a_hanging_child_is_ended_in_time(void **state) {
     hs_child child;
-    hs_error err = {0};
     char sentence[128];
     const hs_child_limits none = {0};
-    assert_true(hs_child_fork(&child, &none, hang, NULL, &err));
+    must(hs_child_fork(&child, &none, hang, NULL, &err));
     const double start = hs_now();
     assert_int_equal(hs_child_wait(&child, 0.1), HS_CHILD_NOTHING);
     hs_child_wait_end(&child, 0.2);
@@ -142,10 +140,9 @@ static bool runs(pid_t pid) {
 
 static void assert_grandchild_ends(escape e) {
     hs_child child;
-    hs_error err = {0};
     pid_t grandchild = 0;
     const hs_child_limits none = {0};
-    assert_true(hs_child_fork(&child, &none, with_grandchild, &e, &err));
+    must(hs_child_fork(&child, &none, with_grandchild, &e, &err));
     assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_MESSAGE);
     assert_true(hs_child_receive(child.channel, &grandchild, sizeof grandchild));
     assert_true(grandchild > 0 && runs(grandchild));
@@ -172,12 +169,11 @@ static void what_it_started_ends_with_it(void **state) {
 /* Others that this process has started itself are nobody's leftovers: a child's siblings, and its own. */
 static void nobody_else_is_ended(void **state) {
     hs_child first, second;
-    hs_error err = {0};
     const hs_child_limits none = {0};
     const pid_t own = fork();
     if (own == 0) forever();
-    assert_true(hs_child_fork(&first, &none, hang, NULL, &err));
-    assert_true(hs_child_fork(&second, &none, hang, NULL, &err));
+    must(hs_child_fork(&first, &none, hang, NULL, &err));
+    must(hs_child_fork(&second, &none, hang, NULL, &err));
     hs_child_close(&first);
     assert_true(runs(own) && runs(second.pid));
     hs_child_close(&second);
@@ -222,10 +218,9 @@ static int short_parent(int channel, void *context) {
 
 static void it_dies_with_its_parent(void **state) {
     hs_child parent;
-    hs_error err = {0};
     pid_t child = 0;
     const hs_child_limits none = {0};
-    assert_true(hs_child_fork(&parent, &none, short_parent, NULL, &err));
+    must(hs_child_fork(&parent, &none, short_parent, NULL, &err));
     assert_int_equal(hs_child_wait(&parent, 30), HS_CHILD_MESSAGE);
     assert_true(hs_child_receive(parent.channel, &child, sizeof child));
     hs_child_wait_end(&parent, 30);
@@ -247,9 +242,8 @@ static int echo(int channel, void *context) {
 
 static void messages_travel_whole(void **state) {
     hs_child child;
-    hs_error err = {0};
     const hs_child_limits none = {0};
-    assert_true(hs_child_fork(&child, &none, echo, NULL, &err));
+    must(hs_child_fork(&child, &none, echo, NULL, &err));
     for (int i = 3; i >= 0; i--) {
         int number = i;
         assert_true(hs_child_send(child.channel, &number, sizeof number));
@@ -273,7 +267,6 @@ static void messages_travel_whole(void **state) {
 
 static void a_program_gets_what_is_passed(void **state) {
     hs_child child;
-    hs_error err = {0};
     const hs_child_limits none = {0};
     char *const argv[] = {
         "sh", "-c", "read line; [ -z \"$line\" ] && cat <&5 >&4 && [ ! -e /proc/self/fd/6 ] && exit 9", NULL};
@@ -282,7 +275,7 @@ static void a_program_gets_what_is_passed(void **state) {
     const int left_open = dup(to); /* without CLOEXEC: a careless library */
     assert_int_equal(pwrite(from, "as given", 8, 0), 8);
     const int passed[] = {to, from};
-    if (!hs_child_exec(&child, &none, "/bin/sh", argv, passed, 2, &err)) fail_msg("%s", err.text);
+    must(hs_child_exec(&child, &none, "/bin/sh", argv, passed, 2, &err));
     hs_child_wait_end(&child, 30);
     assert_int_equal(child.end.fate, HS_CHILD_LEFT);
     assert_int_equal(child.end.number, 9);

@@ -108,8 +108,7 @@ static void every_frame_has_its_own(void **state) {
         hs_loop *loop = make_loop_of(f, plugin, &o);
         for (uint32_t i = 0; i < 3; i++) {
             hs_frame frame;
-            hs_error err = {0};
-            assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, i, &frame, &err));
+            must(hs_loop_frame(loop, HS_SETTING_SMARTVIS, i, &frame, &err));
             assert_int_equal(frame.has_confidence, ghost);
         }
     }

@@ -28,8 +28,7 @@ static hs_guard_options guard_of(hs_guard_choice choice) {
 }
 
 static void open_with(hs_plugin *plugin, const char *name, const hs_guard_options *options) {
-    hs_error err = {0};
-    if (!hs_guarded_open(plugin, file(name), NULL, SV_LOG_ERROR, options, &err)) fail_msg("%s", err.text);
+    must(hs_guarded_open(plugin, file(name), NULL, SV_LOG_ERROR, options, &err));
     assert_int_equal(hs_is_guarded(plugin), options->choice == HS_GUARD_ON);
 }
 
@@ -63,12 +62,11 @@ static void compare(const fixture *f, const hs_plugin *direct, const hs_plugin *
         expect_same_view(&views[0], &views[1], way);
     }
     if (hs_plugin_find_primary(direct, &knob) && (knob.flags & SV_PARAM_ADJUST)) {
-        hs_error err = {0};
         hs_frame frames[2];
         float maps[2][LOW * LOW];
         for (int i = 0; i < 2; i++)
-            assert_true(hs_loop_adjust(loops[i], (sv_param_value){.id = knob.id, .value = 0.5}, &frames[i],
-                                       maps[i], &err));
+            must(hs_loop_adjust(loops[i], (sv_param_value){.id = knob.id, .value = 0.5}, &frames[i], maps[i],
+                                &err));
         assert_true(frames[1].outcome >= SV_OK && frames[0].outcome == frames[1].outcome);
         expect_same(maps[0], maps[1], sizeof maps[0], "map of adjust", way);
     }
@@ -98,12 +96,11 @@ static void every_way_gives_the_same_bits(void **state) {
         hs_plugin direct, guarded;
         sv_param_value values[2];
         uint32_t count = 0;
-        hs_error err = {0};
         const hs_guard_options off = guard_of(HS_GUARD_OFF), on = guard_of(HS_GUARD_ON);
         open_with(&direct, ways[n].plugin, &off);
         open_with(&guarded, ways[n].plugin, &on);
-        if (ways[n].set) assert_true(hs_plugin_parse_param(&guarded, ways[n].set, &values[count++], &err));
-        if (ways[n].more) assert_true(hs_plugin_parse_param(&guarded, ways[n].more, &values[count++], &err));
+        if (ways[n].set) must(hs_plugin_parse_param(&guarded, ways[n].set, &values[count++], &err));
+        if (ways[n].more) must(hs_plugin_parse_param(&guarded, ways[n].more, &values[count++], &err));
         hs_loop_options o = options_with(values, count);
         o.carrier = ways[n].carrier;
         o.own_queue = ways[n].own_queue;
@@ -112,7 +109,7 @@ static void every_way_gives_the_same_bits(void **state) {
         o.live = n % 2;
         compare(f, &direct, &guarded, &o, n);
         hs_plugin_close(&direct);
-        if (!hs_guarded_close(&guarded, &err)) fail_msg("%s", err.text);
+        must(hs_guarded_close(&guarded, &err));
     }
 }
 
@@ -149,21 +146,20 @@ static void parameters_tell_the_same(void **state) {
 static void extensions_reach_through(void **state) {
     const fixture *f = *state;
     hs_plugin plugin;
-    hs_error err = {0};
     sv_param_value value;
     const hs_guard_options on = guard_of(HS_GUARD_ON);
     open_with(&plugin, "smartvis.so", &on);
-    assert_true(hs_plugin_parse_param(&plugin, "method=spline", &value, &err));
+    must(hs_plugin_parse_param(&plugin, "method=spline", &value, &err));
     const hs_loop_options o = options_with(&value, 1);
     hs_loop *loop = make_loop_of(f, &plugin, &o);
     hs_loop_result result;
-    assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
+    must(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
     assert_int_equal(result.failed_frames, 0);
     assert_true(result.has_plugin_stages && result.plugin_stages.profile_ms > 0);
     const sv_ext_timing *timing = hs_plugin_timing(plugin.instance);
     hs_frame frame;
     assert_int_equal(timing->enable(plugin.instance, 1), SV_OK);
-    assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, &err));
+    must(hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, &err));
     /* A report of an older host is filled no further than its size. */
     const uint32_t older = offsetof(sv_stage_times, threshold_ms);
     sv_stage_times times = {.size = older, .threshold_ms = -7};
@@ -173,7 +169,7 @@ static void extensions_reach_through(void **state) {
     assert_true(confidence && !confidence->offered(plugin.instance));
     assert_null(plugin.instance->get_extension(plugin.instance, "nobody/1"));
     end_loop(loop);
-    assert_true(hs_guarded_close(&plugin, &err));
+    must(hs_guarded_close(&plugin, &err));
 }
 
 /* --------------------------------------------------------------------------------- what goes wrong -- */
@@ -236,7 +232,6 @@ static void an_error_is_an_error(void **state) {
     char texts[2][1024];
     for (int i = 0; i < 2; i++) {
         hs_plugin plugin;
-        hs_error err = {0};
         const hs_guard_options options = guard_of(i ? HS_GUARD_ON : HS_GUARD_OFF);
         open_with(&plugin, "tests/plugins/plane.so", &options);
         const sv_param_value value = {.id = FAIL, .value = FAIL_SLAB};
@@ -247,7 +242,7 @@ static void an_error_is_an_error(void **state) {
         (void)snprintf(texts[i], sizeof texts[i], "%s", hs_loop_plugin_error(loop)->text);
         assert_true(hs_guarded_lives(&plugin));
         end_loop(loop);
-        assert_true(hs_guarded_close(&plugin, &err));
+        must(hs_guarded_close(&plugin, &err));
     }
     assert_string_equal(texts[0], texts[1]);
 }

@@ -70,8 +70,7 @@ static void a_failed_frame_does_not_end_the_loop(void **state) {
     const hs_loop_options o = options_with(values, 3);
     hs_loop *loop = make_loop(f, &o);
     hs_loop_result result;
-    hs_error err = {0};
-    assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
+    must(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
     assert_int_equal(result.failed_frames, 4);
     assert_int_equal(result.clipped_frames, 6);
     assert_int_equal(result.note_frames, 0);
@@ -131,8 +130,7 @@ static void an_adjust_that_writes_nothing_is_a_failure(void **state) {
         hs_view view = view_of(loop, 0);
         assert_true(view.frame.clipped);
         hs_frame frame;
-        hs_error err = {0};
-        assert_true(hs_loop_adjust(loop, depth, &frame, NULL, &err));
+        must(hs_loop_adjust(loop, depth, &frame, NULL, &err));
         assert_false(frame.clipped);
         assert_int_equal(frame.outcome, SV_ERR_INTERNAL);
         assert_non_null(strstr(hs_loop_plugin_error(loop)->text, "256 of 256 depths were not written"));

@@ -40,8 +40,7 @@ static void signals_remove_what_is_half_written(void **state) {
     const hs_child_limits none = {0};
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
         hs_child child;
-        hs_error err = {0};
-        assert_true(hs_child_fork(&child, &none, interrupted, &signals[i], &err));
+        must(hs_child_fork(&child, &none, interrupted, &signals[i], &err));
         hs_child_wait_end(&child, 60);
         assert_int_equal(child.end.fate, HS_CHILD_CRASHED); /* by the signal, as without a handler */
         assert_int_equal(child.end.number, signals[i]);
@@ -64,9 +63,8 @@ static int ignoring(int channel, void *context) {
 
 static void an_ignored_signal_is_none(void **state) {
     hs_child child;
-    hs_error err = {0};
     const hs_child_limits none = {0};
-    assert_true(hs_child_fork(&child, &none, ignoring, NULL, &err));
+    must(hs_child_fork(&child, &none, ignoring, NULL, &err));
     hs_child_wait_end(&child, 60);
     assert_int_equal(child.end.fate, HS_CHILD_LEFT);
     assert_int_equal(child.end.number, 0);

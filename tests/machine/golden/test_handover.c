@@ -17,10 +17,9 @@ static const record *record_of(const hs_plugin *plugin) {
 /* One frame of a loop that is then gone; the record stays. */
 static const record *one_frame(const fixture *f, const hs_plugin *plugin, const hs_loop_options *options,
                                uint32_t index) {
-    hs_error err = {0};
     hs_frame frame;
     hs_loop *loop = make_loop_of(f, plugin, options);
-    assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &frame, &err));
+    must(hs_loop_frame(loop, HS_SETTING_SMARTVIS, index, &frame, &err));
     assert_int_equal(frame.outcome, SV_OK);
     return record_of(plugin);
 }
@@ -101,9 +100,8 @@ static void what_it_does_not_take_is_said(void **state) {
         o.carrier = table[n].carrier;
         o.carrier_fixed = table[n].fixed;
         hs_loop *loop = make_loop_of(f, plugin, &o);
-        hs_error err = {0};
         hs_frame frame;
-        assert_true(hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, &err));
+        must(hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, &err));
         assert_false(frame.clipped);
         const hs_error *told = hs_loop_plugin_error(loop);
         assert_int_equal(told->code, HS_ERR_PLUGIN);

@@ -131,8 +131,7 @@ static void a_partial_map_clips_where_it_has_a_surface(void **state) {
                 if (at >= LOW / 2) assert_true(end == OCCLUDER);
             }
         hs_loop_result r;
-        hs_error err = {0};
-        assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &r, &err));
+        must(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &r, &err));
         assert_int_equal(r.clipped_frames, FRAMES);
         assert_int_equal(r.partial_frames, FRAMES);
         assert_int_equal(r.note_frames + r.failed_frames, 0);
@@ -159,7 +158,6 @@ static void a_doubtful_surface_is_called_so(void **state) {
     const sv_param_value value = {.id = DEPTH, .value = 5};
     const hs_loop_options o = options_with(&value, 1);
     hs_loop_result r;
-    hs_error err = {0};
     char note[160];
     hs_plugin *doubtful = open_plugin("confidence_doubtful");
     hs_loop *loop = make_loop_of(f, doubtful, &o);
@@ -167,7 +165,7 @@ static void a_doubtful_surface_is_called_so(void **state) {
     assert_true(view.frame.clipped && view.frame.outcome == SV_OK);
     assert_string_equal(hs_frame_note(&view.frame, "", note, sizeof note),
                         "Clipped although doubtful (14 %, sure from 30 %): the fetus may be cut.");
-    assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &r, &err));
+    must(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &r, &err));
     assert_int_equal(r.doubtful_frames, FRAMES);
 }
 
@@ -191,8 +189,7 @@ static void frames_create_and_compile_nothing(void **state) {
         for (int s = 0; s < HS_SETTING_COUNT; s++) {
             const uint32_t before = creations();
             hs_loop_result result;
-            hs_error err = {0};
-            assert_true(hs_loop_run(loop, (hs_setting)s, NULL, &result, &err));
+            must(hs_loop_run(loop, (hs_setting)s, NULL, &result, &err));
             assert_int_equal(creations(), before);
         }
     }
@@ -205,8 +202,7 @@ static void results_add_up(void **state) {
     hs_loop *loop = make_loop(f, &o);
     for (int s = 0; s < HS_SETTING_COUNT; s++) {
         hs_loop_result r;
-        hs_error err = {0};
-        assert_true(hs_loop_run(loop, (hs_setting)s, NULL, &r, &err));
+        must(hs_loop_run(loop, (hs_setting)s, NULL, &r, &err));
         assert_int_equal(r.frames, FRAMES);
         assert_int_equal(r.clipped_frames, s == HS_SETTING_SMARTVIS ? FRAMES : 0);
         assert_int_equal(r.stats.points, s == HS_SETTING_SMARTVIS ? LOW * LOW : 0);

@@ -29,10 +29,9 @@ static void the_line_is_where_the_plane_is(void **state) {
     hs_loop *loop = make_loop(f, &o);
     hs_view view = view_of(loop, 0);
     hs_picture p;
-    hs_error err = {0};
     const double plane = 5.5 / 16, occluder = (OCCLUDER + 4.0) / N, fetus = (FETUS + 9.0) / N;
     assert_true(fabs(hs_view_clip_depth(&view) - plane * N) < 1e-6);
-    assert_true(hs_picture_slices(&p, &view, CELL, &(hs_caption){0}, &err));
+    must(hs_picture_slices(&p, &view, CELL, &(hs_caption){0}, &err));
     for (int slice = 0; slice < 2; slice++) { /* depth runs down in the first and right in the second */
         const bool down = slice == 0;
         assert_int_equal(at(&p, slice, down ? 0.2 : occluder, down ? occluder : 0.2), grey(0.4 * 153));
@@ -53,13 +52,12 @@ static void nothing_clipped_is_said_in_words(void **state) {
     hs_loop *loop = make_loop(f, &o);
     hs_view view = view_of(loop, 0);
     hs_picture p;
-    hs_error err = {0};
     char note[160];
     assert_false(view.frame.clipped);
     assert_true(hs_view_clip_depth(&view) < 0);
     assert_string_equal(hs_frame_note(&view.frame, "", note, sizeof note),
                         "No fluid found before the fetus: nothing removed.");
-    assert_true(hs_picture_slices(&p, &view, CELL, &(hs_caption){0}, &err));
+    must(hs_picture_slices(&p, &view, CELL, &(hs_caption){0}, &err));
     assert_int_equal(at(&p, 0, 0.2, (OCCLUDER + 4.0) / N), grey(153));
     hs_picture_free(&p);
 }

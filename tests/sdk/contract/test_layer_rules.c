@@ -114,8 +114,7 @@ static void small_map(layer_subject *s) {
 }
 static void foreign_ranges(layer_subject *s) {
     hs_cl other;
-    hs_error err = {0};
-    assert_true(hs_cl_open_bare(&other, &err));
+    must(hs_cl_open_bare(&other, &err));
     cl_mem ranges = clCreateBuffer(other.context, CL_MEM_READ_WRITE, sizeof s->ranges, NULL, NULL);
     s->frame.scanned = NULL;
     s->frame.scanned_object = ranges;
