@@ -47,6 +47,14 @@ uint32_t unit_random(uint32_t *state);
         if (!(call)) fail_msg("%s: %s", #call, err.text);                                                    \
     } while (0)
 
+/* Fails unless the call does, with this code and words in what it tells. */
+#define must_not(call, expected, words)                                                                      \
+    do {                                                                                                     \
+        hs_error err = {0};                                                                                  \
+        if (call) fail_msg("%s does not fail", #call);                                                       \
+        unit_told(err, expected, words);                                                                     \
+    } while (0)
+
 /* Runs these tests, by their names, between the group's set-up and tear-down (NULL: none); how many failed.
  */
 #define UNIT_RUN(group, set_up, tear_down, ...)                                                              \

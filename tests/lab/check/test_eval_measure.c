@@ -132,11 +132,10 @@ static void measures_are_those_by_hand(void **state) {
 static void missing_label_is_no_number(void **state) {
     fixture *f = *state;
     rig r = open_rig(f);
-    hs_error err = {0};
     hs_measures m;
     memset(r.label, HS_LABEL_SAC, sizeof r.label);
     hs_eval_table_free(&r.table);
-    if (!hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err)) fail_msg("%s", err.text);
+    must(hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err));
     hs_eval_measure_map(&r.table, NULL, &m);
     assert_true(isnan(m.of[HS_MEASURE_ABS_FETUS]));
     assert_true(isnan(m.of[HS_MEASURE_FETUS_CUT]));
@@ -144,8 +143,7 @@ static void missing_label_is_no_number(void **state) {
     /* With no label at all there is nothing to evaluate. */
     memset(r.label, HS_LABEL_NEITHER, sizeof r.label);
     hs_eval_table_free(&r.table);
-    assert_false(hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err));
-    assert_int_equal(err.code, HS_ERR_INPUT);
+    must_not(hs_eval_table_build(&r.table, r.loop, &f->layers, &r.truth, r.label, &err), HS_ERR_INPUT, "");
     assert_null(r.table.label);
     close_rig(&r);
 }
@@ -154,12 +152,11 @@ static void missing_label_is_no_number(void **state) {
 static void other_pictures_are_refused(void **state) {
     fixture *f = *state;
     rig r = open_rig(f);
-    hs_error err = {0};
     hs_eval_table table;
     const hs_loop_options options = options_with(NULL, 0);
     r.loop = make_loop(f, &options);
-    assert_false(hs_eval_table_build(&table, r.loop, &f->layers, &r.truth, r.label, &err));
-    unit_told(err, HS_ERR_USAGE, "64 x 64");
+    must_not(hs_eval_table_build(&table, r.loop, &f->layers, &r.truth, r.label, &err), HS_ERR_USAGE,
+             "64 x 64");
     assert_null(table.error);
     close_rig(&r);
 }

@@ -156,10 +156,8 @@ static void nothing_outside_is_found(void **state) {
 
 static void what_is_no_folder_is_refused(void **state) {
     hs_console_files files = {0};
-    hs_error err = {0};
-    assert_false(hs_console_files_add(&files, "/no/such/folder", &err));
-    assert_int_equal(err.code, HS_ERR_INPUT);
-    assert_non_null(strstr(err.text, "/no/such/folder: is no folder"));
+    must_not(hs_console_files_add(&files, "/no/such/folder", &err), HS_ERR_INPUT,
+             "/no/such/folder: is no folder");
     hs_console_files_free(&files);
 }
 

@@ -79,11 +79,10 @@ static void test_the_first_error_is_kept(void **state) {
 
 static void test_a_launch_that_fails(void **state) {
     fixture *f = *state;
-    hs_error err = {0};
     const size_t none[3] = {0, 0, 0};
     hs_launch launch = hs_launch_begin(&f->cl, f->kernel, "build_brick_grid");
-    assert_false(hs_launch_run(&launch, 4, none, NULL, NULL, &err));
-    unit_told(err, HS_ERR_DEVICE, "clEnqueueNDRangeKernel(build_brick_grid) failed: CL_INVALID_");
+    must_not(hs_launch_run(&launch, 4, none, NULL, NULL, &err), HS_ERR_DEVICE,
+             "clEnqueueNDRangeKernel(build_brick_grid) failed: CL_INVALID_");
 }
 
 UNIT_MAIN(open_device, close_device, test_launch_runs, test_the_first_error_is_kept, test_a_launch_that_fails)

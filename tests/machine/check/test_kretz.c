@@ -177,14 +177,10 @@ static void writer_wants_all_volumes(void **state) {
     const uint8_t voxels[8] = {0};
     const int before = files_count();
     hs_kretz_writer writer;
-    hs_error err = {0};
-    assert_false(hs_kretz_write_open(&writer, files_path("none.vol"), &b, 0, &err));
-    assert_int_equal(err.code, HS_ERR_OUTPUT);
-    err = (hs_error){0};
-    assert_true(hs_kretz_write_open(&writer, files_path("none.vol"), &b, 2, &err));
-    assert_true(hs_kretz_write_volume(&writer, voxels, &err));
-    assert_false(hs_kretz_write_commit(&writer, &err));
-    assert_int_equal(err.code, HS_ERR_OUTPUT);
+    must_not(hs_kretz_write_open(&writer, files_path("none.vol"), &b, 0, &err), HS_ERR_OUTPUT, "");
+    must(hs_kretz_write_open(&writer, files_path("none.vol"), &b, 2, &err));
+    must(hs_kretz_write_volume(&writer, voxels, &err));
+    must_not(hs_kretz_write_commit(&writer, &err), HS_ERR_OUTPUT, "");
     assert_int_equal(files_count(), before);
 }
 

@@ -157,10 +157,9 @@ static void a_window_that_is_none_is_refused(void **state) {
                                           .has_window = true,
                                           .window_low = bad[i][0],
                                           .window_high = bad[i][1]};
-        hs_error err = {0};
         hs_volume volume;
-        assert_false(hs_metaimage_read(files_path("zeros.mha"), &opt, &volume, &err));
-        unit_told(err, HS_ERR_USAGE, "zeros.mha: window is");
+        must_not(hs_metaimage_read(files_path("zeros.mha"), &opt, &volume, &err), HS_ERR_USAGE,
+                 "zeros.mha: window is");
     }
 }
 

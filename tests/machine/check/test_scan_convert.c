@@ -224,9 +224,7 @@ static void test_layouts(void **state) {
 }
 
 static void assert_refused(const hs_cl *cl, hs_slab_layout layout, const char *field) {
-    hs_error err = {HS_OK, ""};
-    assert_null(hs_scan_converter_create(cl, &layout, &err));
-    unit_told(err, HS_ERR_USAGE, field);
+    must_not(hs_scan_converter_create(cl, &layout, &err), HS_ERR_USAGE, field);
 }
 
 static void test_impossible_layouts_are_refused(void **state) {

@@ -5,9 +5,7 @@
 
 static void refuse(const char *text, const char *expected) {
     hs_scene_spec spec;
-    hs_error err = {0};
-    assert_false(hs_scene_read_text("x.json", text, &spec, &err));
-    unit_told(err, HS_ERR_INPUT, expected);
+    must_not(hs_scene_read_text("x.json", text, &spec, &err), HS_ERR_INPUT, expected);
 }
 
 /* EMPTY_SCENE with `more` as its only structure or artefact. */

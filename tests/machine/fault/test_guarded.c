@@ -186,7 +186,6 @@ static void a_crash_costs_its_frame(void **state) {
         {"tests/plugins/by_leave.so", ": end: SV_ERR_INTERNAL (-1): left by exit(0) in end", FAIL_END}};
     for (size_t n = 0; n < sizeof table / sizeof *table; n++) {
         hs_plugin plugin;
-        hs_error err = {0};
         hs_loop_result result;
         hs_guard_options on = guard_of(HS_GUARD_ON);
         on.restarts = 5; /* frame 0 runs twice: once before it counts */
@@ -195,14 +194,13 @@ static void a_crash_costs_its_frame(void **state) {
             {.id = FAIL, .value = table[n].call}, {.id = EVERY, .value = 3}, {.id = DEPTH, .value = 5}};
         const hs_loop_options o = options_with(values, 3);
         hs_loop *loop = make_loop_of(f, &plugin, &o);
-        assert_true(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
+        must(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &result, &err));
         assert_int_equal(result.failed_frames, 4);
         assert_int_equal(result.clipped_frames, 6);
         if (!strstr(hs_loop_plugin_error(loop)->text, table[n].says))
             fail_msg("'%s' does not say '%s'", hs_loop_plugin_error(loop)->text, table[n].says);
         end_loop(loop);
-        assert_false(hs_guarded_close(&plugin, &err));
-        assert_int_equal(err.code, HS_ERR_PLUGIN);
+        must_not(hs_guarded_close(&plugin, &err), HS_ERR_PLUGIN, "");
     }
 }
 

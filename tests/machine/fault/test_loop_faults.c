@@ -158,9 +158,7 @@ static void impossible_options_are_refused(void **state) {
     bad[4].lowres = 8193;
     bad[5].yaw = NAN;
     for (int i = 0; i < 6; i++) {
-        hs_error err = {0};
-        assert_null(hs_loop_create(&f->cl, &f->source, f->plugin, &bad[i], &err));
-        unit_told(err, HS_ERR_USAGE, says[i]);
+        must_not(hs_loop_create(&f->cl, &f->source, f->plugin, &bad[i], &err), HS_ERR_USAGE, says[i]);
     }
 }
 
