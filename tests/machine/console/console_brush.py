@@ -61,28 +61,21 @@ def a_mark_removes_what_is_seen(b, work):
 
 
 def undo_and_redo(b, before, after):
-    b.press("\ue009", "z")
-    settle(b, "undo")
+    b.press("\ue009", "z", then="undo")
     holds(b.run(MARKS) == [] and all_pixels(b) == before, "undo gives another picture back")
-    b.press("\ue009", "\ue008", "Z")
-    settle(b, "redo")
+    b.press("\ue009", "\ue008", "Z", then="redo")
     holds(all_pixels(b) == after, "redo gives another picture")
-    b.click("#clear-marks")
-    settle(b, "no marks")
+    b.click("#clear-marks", then="no marks")
     holds(all_pixels(b) == before, "marks that were cleared are seen")
-    b.click("#undo")
-    settle(b, "marks again")
-    b.run("turn(25, 0)")
-    settle(b, "turned")
+    b.click("#undo", then="marks again")
+    b.run("turn(25, 0)", then="turned")
     (x, _, z, _, _), mm, shown = b.run("return [state.marks[0], lastFigures.source.window_mm, lastFigures.marks[0][0]]")
     middle, yaw = 0.5 * 95 / 96 * mm, math.radians(25)
     expected = 0.5 + ((x - middle) * math.cos(yaw) - (z - middle) * math.sin(yaw)) / mm
     holds(abs(shown - expected) < 1e-6 and abs(shown - 0.5) > 0.005, f"the mark does not turn with the volume: {shown}, expected {expected}")
-    b.run("setValue(0, lanes[0].params.find(p => p.primary), 1, false)")
-    settle(b, "another position")
+    b.run("setValue(0, lanes[0].params.find(p => p.primary), 1, false)", then="another position")
     for wanted in ([25, {}], [0, {}]):
-        b.click("#undo")
-        settle(b, "one step back")
+        b.click("#undo", then="one step back")
         now = b.run("return [state.camera.yaw, state.lanes[0].values]")
         holds(now == wanted and b.run("return at('primary0').value") == "0.5", f"undone to {now}, expected {wanted}")
     holds(all_pixels(b) == after, "undo of a turn gives another picture")
@@ -111,8 +104,7 @@ def keep_brings_back(b, work):
 def painting(b):
     b.click("#clear-marks")
     b.click("#remove")
-    b.run("at('radius').value = 3; at('radius').dispatchEvent(new Event('input'))")
-    settle(b, "no marks")
+    b.run("at('radius').value = 3; at('radius').dispatchEvent(new Event('input'))", then="no marks")
     b.drag(RESULT, (-60, -20), (60, 20), steps=30)
     b.wait_for("!brush.asked && !brush.queue.length && state.marks.length > 3", "a painted line")
     settle(b, "painted")
@@ -125,29 +117,23 @@ def painting(b):
     b.keys(RESULT, ENTER)
     b.wait_for(f"!brush.asked && (state.marks.length > {before} || !at('notice').hidden)", "a mark by the keyboard")
     settle(b, "by keys")
-    b.run("state.marks = Array(64).fill(state.marks[0]); changed(false)")
-    settle(b, "64 marks")
+    b.run("state.marks = Array(64).fill(state.marks[0]); changed(false)", then="64 marks")
     said = click(b, 0, 60)
     holds("All 64 marks" in str(said) and len(b.run(MARKS)) == 64, f"a mark more than there may be: {said}")
 
 
 def an_address_has_marks(b, console):
-    b.run("state.marks.length = 2; changed(false)")
-    settle(b, "two marks")
+    b.run("state.marks.length = 2; changed(false)", then="two marks")
     b.wait_for("addressDue === 0", "the address")
     hash_, marks, shown = b.run("return location.hash"), b.run(MARKS), pixels(b, "result")
     b.open("about:blank")
-    b.open(console.address + hash_)
-    settle(b, "the address")
+    b.open(console.address + hash_, then="the address")
     holds(b.run(MARKS) == marks and pixels(b, "result") == shown, f"opened with {b.run(MARKS)}")
-    choose(b, "source", "scene D01")
-    settle(b, "another volume")
+    choose(b, "source", "scene D01", then="another volume")
     holds(b.run(MARKS) == [] and "--remove" not in b.run("return at('line').value"), "marks of another volume")
-    b.click("#undo")
-    settle(b, "the volume before")
+    b.click("#undo", then="the volume before")
     holds(b.run(MARKS) == marks and b.run("return at('source').value") == "scene M03", "undo does not bring the volume back")
-    b.click("#clear-marks")
-    settle(b, "no marks")
+    b.click("#clear-marks", then="no marks")
 
 
 def by_touch(b):
@@ -188,20 +174,17 @@ def by_touch(b):
 def with_two_results(b):
     width(b, 1440, 1000)
     b.run("resetCamera(); clearMarks()")
-    choose(b, "compare", "side")
-    settle(b, "side by side")
+    choose(b, "compare", "side", then="side by side")
     before = [pixels(b, view) for view in ("result", "other")]
     said = click(b, 0, -40, "other")
     holds(said == 1, f"a mark on the second result: {said}")
     holds(all(pixels(b, view) != was for view, was in zip(("result", "other"), before)), "a mark is not for both results")
     holds(all("--remove" in line for line in b.run("return at('line').value").split("\n")), "a command line without the mark")
-    choose(b, "compare", "off")
-    settle(b, "one result")
+    choose(b, "compare", "off", then="one result")
     b.keys("body", "e")
     holds(b.run("return brush.on") == "" and b.run("return document.querySelector('.marks circle')") is None, "e does not put the brush down")
     yaw = b.run("return state.camera.yaw")
-    b.drag(RESULT, (0, 0), (30, 0))
-    settle(b, "a drag")
+    b.drag(RESULT, (0, 0), (30, 0), then="a drag")
     holds(b.run("return state.camera.yaw") != yaw, "a drag does not turn without the brush")
 
 
@@ -215,24 +198,20 @@ def the_lamp(b, work):
     holds(abs(now[0][0] - lamp[0] - 20) < 1e-6 and abs(now[0][1] - lamp[1] + 10) < 1e-6, f"the lamp moved from {lamp} to {now[0]}")
     holds(now[1:] == [camera, marks] and pixels(b, "result") != before, "the lamp turns, marks, or lights nothing")
     as_run_draws_it(b, HOST_SIM, work, "another light")
-    b.click("#undo")
-    settle(b, "undo of the lamp")
+    b.click("#undo", then="undo of the lamp")
     holds(pixels(b, "result") == before, "undo gives another light")
 
 
 def drag_side(b, view, place, to):
     """From a place of a slice to another one, both 0 .. 1 right and down."""
     wide = b.run("const s = canvases[arguments[0]].screen; s.scrollIntoView({ block: 'center' }); return s.clientWidth", view)
-    b.drag(f".screen[data-view={view}]", *([round((x - 0.5) * wide) for x in at] for at in (place, to)))
-    settle(b, "a side of the box, dragged")
+    b.drag(f".screen[data-view={view}]", *([round((x - 0.5) * wide) for x in at] for at in (place, to)), then="a side of the box, dragged")
 
 
 def the_box(b, console, work):
-    b.run("resetCamera(); clearMarks(); state.cross = [0.5, 0.5, 0.5]")
-    settle(b, "no box")
+    b.run("resetCamera(); clearMarks(); state.cross = [0.5, 0.5, 0.5]", then="no box")
     before = all_pixels(b)
-    b.keys("body", "b")
-    settle(b, "the box")
+    b.keys("body", "b", then="the box")
     holds(b.run("return state.box") == [11.9] * 3 + [106.9] * 3, f"a new box is {b.run('return state.box')}")
     cut = all_pixels(b)
     holds(all(before[view] != cut[view] for view in before), "the box changes not all views")
@@ -246,22 +225,18 @@ def the_box(b, console, work):
             for (let i = 0; i < 512 * 512; i++) { const k = i % 512 < low ? 0 : 1; most[k] = Math.max(most[k], d[4 * i]); } return most;""", view)
         holds(left < 40 < 120 < right, f"{view}: beside the box it is {left} bright, in it {right}")
     as_run_draws_it(b, HOST_SIM, work, "a box")
-    b.run("turn(30, 20); roll(10)")
-    settle(b, "turned")
+    b.run("turn(30, 20); roll(10)", then="turned")
     corners = b.run("return Object.keys(AXES).map((view) => boxIn(view))")
     holds(all(3 <= len(one) <= 10 and all(-1e-9 <= x <= 1 + 1e-9 for place in one for x in place) for one in corners), f"the turned box is {corners}")
     as_run_draws_it(b, HOST_SIM, work, "a turned box")
     b.wait_for("addressDue === 0", "the address")
     hash_, shown = b.run("return location.hash"), pixels(b, "result")
     b.open("about:blank")
-    b.open(console.address + hash_)
-    settle(b, "the address")
+    b.open(console.address + hash_, then="the address")
     holds(b.run("return state.box") == box and pixels(b, "result") == shown, "the address opens another box")
-    b.run("resetCamera()")
-    settle(b, "from the front")
+    b.run("resetCamera()", then="from the front")
     field = "#box-bar input[data-side='3']"
-    b.run(f"const f = document.querySelector(\"{field}\"); f.value = 60; f.dispatchEvent(new Event('change'))")
-    settle(b, "a side by its field")
+    b.run(f"const f = document.querySelector(\"{field}\"); f.value = 60; f.dispatchEvent(new Event('change'))", then="a side by its field")
     holds(b.run("return state.box[3]") == 60, "the field does nothing")
     b.click("#write")
     b.wait_for("at('written').textContent", "the written results")
@@ -276,8 +251,7 @@ def the_box(b, console, work):
     vertices = list(struct.iter_unpack("<3f", data[:12 * int(head.split(b"element vertex ")[1].split()[0])]))
     ends, now = [(min(axis), max(axis)) for axis in zip(*vertices, strict=True)], b.run("return state.box")
     holds(len(vertices) > 500 and all(now[k] - 0.7 < low and high < now[k + 3] + 0.7 for k, (low, high) in enumerate(ends)), f"{len(vertices)} vertices of {ends} in {now}")
-    choose(b, "third", "depthmap")
-    settle(b, "the depthmap of a box")
+    choose(b, "third", "depthmap", then="the depthmap of a box")
     grey = b.run("""const d = canvases.depthmap.canvas.getContext('2d').getImageData(0, 0, 512, 512).data;
         return [(state.box[0] - 5), (state.box[0] + state.box[3]) / 2].map((mm) => { const i = 4 * (256 * 512 + Math.round(512 * mm / lastFigures.source.window_mm));
             return Math.max(d[i], d[i + 1], d[i + 2]) - Math.min(d[i], d[i + 1], d[i + 2]); });""")
@@ -286,14 +260,11 @@ def the_box(b, console, work):
     for size in ((390, 844), (1440, 1000)):
         width(b, *size)
         holds(b.run("return document.documentElement.scrollWidth") <= size[0], f"wider than {size[0]} pixels")
-    b.click("#box")
-    settle(b, "no box again")
+    b.click("#box", then="no box again")
     holds(b.run("return state.box") == [] and all_pixels(b) == before, "what was before the box does not come back")
-    b.click("#undo")
-    settle(b, "undo of its end")
+    b.click("#undo", then="undo of its end")
     holds(b.run("return state.box[3]") == 60 and pixels(b, "result") != before["result"], "undo does not bring the box back")
-    b.click("#box")
-    settle(b, "no box at last")
+    b.click("#box", then="no box at last")
 
 
 def nothing_jumps(b):

@@ -22,7 +22,7 @@ def a_page(build, start, arguments):
     with tempfile.TemporaryDirectory() as work, open(os.path.join(work, "said"), "w+") as said:
         console, b = Console(build, [*arguments, "--out", os.path.join(work, "out")], said), None
         try:
-            b = Browser(work)
+            b = Tab(work)
             b.open(console.address + start)
             yield b, console, work
             lines = b.console()
@@ -39,6 +39,27 @@ def a_page(build, start, arguments):
 
 def settle(b, what):
     b.wait_for(SETTLED, what)
+
+
+def rests(act):
+    """An act of a hand, behind which the page comes to rest if `then` says what at."""
+    def both(b, *arguments, then=None, **how):
+        act(b, *arguments, **how)
+        if then:
+            settle(b, then)
+    return both
+
+
+class Tab(Browser):
+    """A browser with the console's page."""
+
+    click, keys, press, drag, wheel, open = map(rests, (Browser.click, Browser.keys, Browser.press, Browser.drag, Browser.wheel, Browser.open))
+
+    def run(self, script, *arguments, then=None):
+        value = super().run(script, *arguments)
+        if then:
+            settle(self, then)
+        return value
 
 
 # A number that changes with a picture: its width, and a sum over its pixels.
@@ -96,5 +117,5 @@ def as_run_draws_it(b, host_sim, work, what):
     holds(shown == run and run.startswith("512:"), f"{what}: the snapshot is {shown}, run draws {run}")
 
 
-def choose(b, control, value):
-    b.run("at(arguments[0]).value = arguments[1]; at(arguments[0]).dispatchEvent(new Event('change'))", control, value)
+def choose(b, control, value, then=None):
+    b.run("at(arguments[0]).value = arguments[1]; at(arguments[0]).dispatchEvent(new Event('change'))", control, value, then=then)

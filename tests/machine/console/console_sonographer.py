@@ -50,17 +50,14 @@ def planes_lie_in_the_patient(b):
     settle(b, "the first frame")
     holds(b.run("return [at('third').value, at('third').disabled]") == ["depthmap", True], "a file's ground truth is offered")
     for yaw, expected in ((0, straight), (90, turned)):
-        b.run("state.camera.yaw = arguments[0]; changed(false)", yaw)
-        settle(b, f"yaw {yaw}")
+        b.run("state.camera.yaw = arguments[0]; changed(false)", yaw, then=f"yaw {yaw}")
         found = {view: directions(b, view) for view in expected}
         holds(found == expected, f"yaw {yaw}: {found}")
-    b.run("state.camera.yaw = 44; changed(false)")
-    settle(b, "between")
+    b.run("state.camera.yaw = 44; changed(false)", then="between")
     found = directions(b, "deep")
     holds(found == between, f"yaw 44: {found}")
     b.run("resetCamera()")
-    choose(b, "source", "file 0 D01_full.mha")
-    settle(b, "a file that does not say how the patient lies")
+    choose(b, "source", "file 0 D01_full.mha", then="a file that does not say how the patient lies")
     found = {view: directions(b, view) for view in straight}
     unsaid = {view: [name.split(",")[0], "   ", probe] for view, (name, _, probe) in straight.items()}  # the fan shows the probe
     holds(found == unsaid, f"not said: {found}")
@@ -79,32 +76,26 @@ def distances(b):
     said = b.run("return [canvases.across.distance.textContent, at('distance').textContent, state.cross]")
     holds(abs(float(said[0].split()[0]) - expected) < 0.06 and said[0].endswith(" mm"), f"{expected} mm are {said}")
     holds(said[1] == "A plane (across): " + said[0] and said[2] == cross, f"it is said as {said}")
-    b.run("zoom(2)")
-    settle(b, "zoomed")
+    b.run("zoom(2)", then="zoomed")
     holds(b.run("return canvases.across.distance.textContent") == said[0], "zooming changes a distance")
     ends = b.run("return [...canvases.across.lines.querySelectorAll('circle')].map(c => Number(c.getAttribute('cx')))")
     holds(abs((ends[1] - ends[0]) * wide - 180) < 2, f"the points do not zoom with the picture: {ends}")
-    b.run("resetCamera()")
-    settle(b, "unzoomed")
+    b.run("resetCamera()", then="unzoomed")
     b.drag(across, (0, 0), (0, 45))
     b.drag(across, (40, 0), (0, 0))
     expected = 45 * mm / wide
     said = b.run("return canvases.across.distance.textContent")
     holds(abs(float(said.split()[0]) - expected) < 0.06, f"dragged points are {said} apart, not {expected}")
-    b.run("turn(5, 0)")
-    settle(b, "turned")
+    b.run("turn(5, 0)", then="turned")
     holds(b.run("return canvases.across.distance.textContent + canvases.across.lines.childElementCount") == "0", "points stay when the tissue goes")
-    b.run("resetCamera(); canvases.deep.screen.focus()")
-    settle(b, "straight")
-    b.keys(".screen[data-view=deep]", ENTER + KEYS["right"] * 5 + ENTER)
-    settle(b, "by keys")
+    b.run("resetCamera(); canvases.deep.screen.focus()", then="straight")
+    b.keys(".screen[data-view=deep]", ENTER + KEYS["right"] * 5 + ENTER, then="by keys")
     said = b.run("return canvases.deep.distance.textContent")
     holds(abs(float(said.split()[0]) - 0.1 * mm) < 0.06, f"five steps by keys are {said}, not {0.1 * mm}")
     b.run("document.activeElement.blur()")
     b.keys("body", "m")
     holds(b.run("return [at('distance').textContent, at('measure').getAttribute('aria-pressed')]") == ["", "false"], "it still measures")
-    b.drag(across, (0, 0), (20, 20))
-    settle(b, "the crosshair")
+    b.drag(across, (0, 0), (20, 20), then="the crosshair")
     holds(b.run("return state.cross[0]") > 0.5, "the crosshair does not move any more")
 
 
@@ -142,12 +133,10 @@ def one_volume_stands_still(b):
 
 def presets(b):
     """Either sets all that it names, from wherever one is."""
-    b.run("setValue(0, lanes[0].params.find(p => p.key === 'method'), 1, false)")
-    settle(b, "another method")
+    b.run("setValue(0, lanes[0].params.find(p => p.key === 'method'), 1, false)", then="another method")
     found = []
     for i in (1, 2):
-        b.click(f".presets button:nth-of-type({i})")
-        settle(b, "a preset")
+        b.click(f".presets button:nth-of-type({i})", then="a preset")
         found.append((b.run("return state.lanes[0].values"), b.run("return [...document.querySelectorAll('.presets button[aria-pressed]')].map(b => b.ariaPressed)"),
                       pixels(b, "result")))
     holds([one[:2] for one in found] == [({"q": 0.75}, ["true", "false"]), ({"q": 0.25, "unsure": 1}, ["false", "true"])], f"presets: {found}")
@@ -161,21 +150,17 @@ def own_presets(b, console):
     b.click(".presets button[title^=These]")
     other = Console(BUILD, ["--plugin", os.path.join(BUILD, "tests", "plugins", "plane.so")])
     try:
-        b.open(other.address + "#scene=D01,64,1")
-        settle(b, "the plane")
+        b.open(other.address + "#scene=D01,64,1", then="the plane")
         b.click(".presets button[title^=Saved]")
         said = b.run("return at('notice').textContent")
         holds("\"mine\" was saved with" in said and "does not fit" in said and b.run("return state.lanes[0].values") == {}, f"another plugin's preset: {said}")
-        choose(b, "plugin0", "1")
-        settle(b, "SmartVis")
-        b.click(".presets button[title^=Saved]")
-        settle(b, "the preset")
+        choose(b, "plugin0", "1", then="SmartVis")
+        b.click(".presets button[title^=Saved]", then="the preset")
         holds(b.run("return state.lanes[0].values") == {"q": 0.4, "unsure": 1}, "the preset is another one")
         b.click(".presets button[title^='The preset']")
         holds(b.run("return [document.querySelectorAll('.presets button').length, ownPresets()]") == [4, {}], "the preset is not deleted")
     finally:
-        b.open(console.address + "#scene=D01,64,3")
-        settle(b, "three volumes")
+        b.open(console.address + "#scene=D01,64,3", then="three volumes")
         other.interrupt()
         other.wait(60)
         other.end()
@@ -198,8 +183,7 @@ def a_cine(b, work):
     with open(path, "rb") as file:
         data = base64.b64encode(file.read()).decode()
     for i in range(3):
-        b.run("state.play.index = arguments[0]; changed(false)", i)
-        settle(b, f"volume {i}")
+        b.run("state.play.index = arguments[0]; changed(false)", i, then=f"volume {i}")
         b.run("delete document.body.dataset.snapshot")
         seen.append(snapshot(b, work))
     found = b.run(SUM + """const decoder = new ImageDecoder({ data: Uint8Array.from(atob(arguments[0]), (c) => c.charCodeAt(0)), type: 'image/png' });
