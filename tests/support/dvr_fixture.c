@@ -141,8 +141,7 @@ void dvr_check_case(const hs_cl *cl, size_t scene, size_t view, float doubt, boo
                                   .height = MAP_H,
                                   .slices = MAP_S};
     dvr_picture p = dvr_render(cl, &volume, &camera, &s, ref_map.depth, ref_map.confidence);
-    char where[64];
-    (void)snprintf(where, sizeof where, "scene %zu, view %zu", scene, view);
+    const char *const where = unit_text("scene %zu, view %zu", scene, view);
     size_t close = 0, pixels = (size_t)s.width * s.height;
     for (size_t i = 0; i < pixels; i++) {
         ref_pixel expected =

@@ -39,10 +39,8 @@ static void fill(layer_subject *s) {
 
 layer_subject *layer_load(const char *folder) {
     layer_subject *s = unit_memory(sizeof *s);
-    char path[1024];
     fill(s);
-    (void)snprintf(path, sizeof path, "%s/smartvis_check.so", folder);
-    s->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    s->library = dlopen(unit_text("%s/smartvis_check.so", folder), RTLD_NOW | RTLD_LOCAL);
     if (!s->library) fail_msg("%s", dlerror());
     s->entry = dlsym(s->library, SV_ENTRY_SYMBOL);
     s->host = (sv_host){sizeof s->host, SV_ABI_MINOR, s, "test_layer", "1", keep, NULL};
@@ -50,9 +48,7 @@ layer_subject *layer_load(const char *folder) {
 }
 
 layer_subject *layer_open(const char *plugin) {
-    char path[1024];
-    (void)snprintf(path, sizeof path, "%s/%s.so", layer_build(), plugin);
-    (void)setenv("SMARTVIS_CHECK_PLUGIN", path, 1);
+    (void)setenv("SMARTVIS_CHECK_PLUGIN", unit_text("%s/%s.so", layer_build(), plugin), 1);
     return layer_load(layer_build());
 }
 

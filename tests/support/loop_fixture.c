@@ -63,9 +63,8 @@ static void close_plugin(void *plugin) {
 
 hs_plugin *open_plugin(const char *name) {
     hs_plugin *plugin = unit_memory(sizeof *plugin);
-    char path[1024];
     const char *build = getenv("SV_BUILD_DIR");
-    (void)snprintf(path, sizeof path, "%s/tests/plugins/%s.so", build ? build : ".", name);
+    const char *const path = unit_text("%s/tests/plugins/%s.so", build ? build : ".", name);
     must(hs_plugin_open(plugin, path, NULL, SV_LOG_WARNING, &err));
     unit_keep(close_plugin, plugin);
     return plugin;

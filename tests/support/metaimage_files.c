@@ -4,7 +4,6 @@
 #include "support/host_fixture.h"
 
 #include <dirent.h>
-#include <limits.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -25,11 +24,7 @@ int files_count(void) {
 }
 
 const char *files_path(const char *name) {
-    static char paths[4][PATH_MAX];
-    static int turn;
-    char *path = paths[turn++ % 4];
-    (void)snprintf(path, PATH_MAX, "%s/%s", files_folder, name);
-    return path;
+    return unit_text("%s/%s", files_folder, name);
 }
 
 int files_teardown(void **state) {

@@ -14,7 +14,7 @@ int files_teardown(void **state);
 /* Number of files in the folder. */
 int files_count(void);
 
-/* The path of a file in the folder. Good for three more calls. */
+/* The path of a file in the folder, kept for the test. */
 const char *files_path(const char *name);
 
 /* A file of `text` (NULL for none) and `bytes` bytes of data behind it. */

@@ -21,8 +21,7 @@ static uint8_t *slurp(const char *path, size_t *bytes) {
 
 /* What stands behind "\nName = ". */
 static const char *value_of(const result_file *file, const char *name) {
-    char key[64];
-    (void)snprintf(key, sizeof key, "\n%s = ", name);
+    const char *const key = unit_text("\n%s = ", name);
     const char *found = strstr(file->text, key);
     if (!found) fail_msg("%s is missing", name);
     return found + strlen(key);

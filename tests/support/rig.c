@@ -62,10 +62,9 @@ bool rig_is_cpu(const rig *r) {
 }
 
 void rig_open(rig *r, const char *path) {
-    char standard[1024];
     memset(r, 0, sizeof *r);
     const char *build = getenv("SV_BUILD_DIR");
-    (void)snprintf(standard, sizeof standard, "%s/smartvis.so", build ? build : ".");
+    const char *const standard = unit_text("%s/smartvis.so", build ? build : ".");
     r->library = dlopen(path ? path : standard, RTLD_NOW | RTLD_LOCAL);
     if (!r->library) stop("dlopen", dlerror());
     r->entry = dlsym(r->library, SV_ENTRY_SYMBOL);

@@ -89,8 +89,7 @@ void check_scene_pixel(const hs_scene_data *d, size_t pixel) {
 }
 
 hs_scene *scene_of_text(const char *text, hs_error *err) {
-    char path[64];
-    (void)snprintf(path, sizeof path, "/tmp/scene_of_text_%ld.json", (long)getpid());
+    const char *const path = unit_text("/tmp/scene_of_text_%ld.json", (long)getpid());
     FILE *file = fopen(path, "w");
     assert_non_null(file);
     assert_true(fputs(text, file) >= 0);

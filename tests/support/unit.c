@@ -22,6 +22,16 @@ void *unit_memory(size_t bytes) {
     return memory;
 }
 
+const char *unit_text(const char *format, ...) {
+    char *text = NULL;
+    va_list args;
+    va_start(args, format);
+    if (vasprintf(&text, format, args) < 0) abort();
+    va_end(args);
+    unit_keep(free, text);
+    return text;
+}
+
 const void *unit_mark(void) {
     return last;
 }

@@ -18,6 +18,9 @@
 /* Zeros. Without memory the program ends. */
 void *unit_memory(size_t bytes);
 
+/* A text, as printf makes it. */
+const char *unit_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* `give_back` is called with `what` then; the last is given back first. */
 void unit_keep(void (*give_back)(void *what), void *what);
 

@@ -116,15 +116,13 @@ static void wrong_maps_are_named(void **state) {
 
 static void a_labelled_ray_was_scanned(void **state) {
     fixture *f = *state;
-    char says[TEXT];
     uint32_t i = 0;
     while (f->scene.label[i] != HS_LABEL_FETUS) i++;
     const uint16_t end = f->end[i];
     f->end[i] = f->first[i];
     write_maps(f);
-    (void)snprintf(says, sizeof says,
-                   "D01_label.mha: label 2 at pixel (%u, %u), where nothing was scanned: %u", i % N, i / N,
-                   f->first[i]);
+    const char *const says = unit_text(
+        "D01_label.mha: label 2 at pixel (%u, %u), where nothing was scanned: %u", i % N, i / N, f->first[i]);
     must_fail("first.mha", "end.mha", HS_ERR_INPUT, says);
     f->end[i] = end;
     write_maps(f);

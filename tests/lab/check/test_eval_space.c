@@ -18,10 +18,9 @@ typedef struct {
 
 static int open_rig(void **state) {
     static rig r;
-    char path[1024];
     hs_error err = {0};
     const char *build = getenv("SV_BUILD_DIR");
-    (void)snprintf(path, sizeof path, "%s/smartvis.so", build ? build : ".");
+    const char *const path = unit_text("%s/smartvis.so", build ? build : ".");
     if (!hs_cl_open(&r.cl, &err) || !hs_plugin_open(&r.plugin, path, NULL, SV_LOG_ERROR, &err) ||
         !hs_eval_plan_make(&r.plan, &r.plugin, NULL, 0, true, &err) ||
         !hs_eval_case_open(&r.c, &r.cl, &r.plugin, &r.plan.base, &request, &err)) {

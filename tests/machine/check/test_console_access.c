@@ -109,11 +109,9 @@ static int make_tree(void **state) {
 }
 
 static int remove_tree(void **state) {
-    char command[300];
     hs_console_files_free(*state);
     free(*state);
-    (void)snprintf(command, sizeof command, "rm -rf '%s'", files_path(""));
-    return system(command);
+    return system(unit_text("rm -rf '%s'", files_path("")));
 }
 
 static bool note(void *context, uint32_t folder, const char *path) {

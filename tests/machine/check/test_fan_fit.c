@@ -8,7 +8,6 @@
 #include "volume/fan_fit.h"
 #include "volume/metaimage.h"
 
-#include <limits.h>
 #include <math.h>
 #include <sys/stat.h>
 
@@ -208,10 +207,9 @@ static void real_scans(void **state) {
     const char *source = getenv("SV_SOURCE_DIR");
     int found = 0;
     for (size_t i = 0; i < sizeof scans / sizeof *scans; i++) {
-        char path[PATH_MAX];
         struct stat status;
         hs_volume v;
-        (void)snprintf(path, sizeof path, "%s/../shared/data/%s", source ? source : ".", scans[i]);
+        const char *const path = unit_text("%s/../shared/data/%s", source ? source : ".", scans[i]);
         if (stat(path, &status) != 0) continue;
         found++;
         must(hs_metaimage_read(path, NULL, &v, &err));

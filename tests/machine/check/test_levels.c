@@ -21,9 +21,8 @@ static double scanned_value(size_t i) {
 
 static void write_fan(const char *name, hs_met_type type, double outside, uint32_t channels, bool coloured) {
     static uint8_t data[COUNT * 4 * 3];
-    char lines[64];
     const size_t width = hs_met_type_bytes(type);
-    (void)snprintf(lines, sizeof lines, "ElementNumberOfChannels = %u\n", channels);
+    const char *const lines = unit_text("ElementNumberOfChannels = %u\n", channels);
     for (size_t i = 0; i < COUNT; i++)
         for (uint32_t c = 0; c < channels; c++) {
             const double v = (in_fan(i) ? scanned_value(i) : outside) + (coloured && c == 1 && in_fan(i));
@@ -70,10 +69,7 @@ static void whatever_lies_outside_was_not_scanned(void **state) {
     files_volume("first.mha", "24 24 1", "MET_USHORT", "", first, sizeof first);
     files_volume("end.mha", "24 24 1", "MET_USHORT", "", end, sizeof end);
     write_fan("fan.mha", HS_MET_FLOAT, -999, 1, false);
-    char paths[2][300];
-    (void)snprintf(paths[0], sizeof paths[0], "%s", files_path("first.mha"));
-    (void)snprintf(paths[1], sizeof paths[1], "%s", files_path("end.mha"));
-    const hs_metaimage_options maps = {.scanned = {paths[0], paths[1]}};
+    const hs_metaimage_options maps = {.scanned = {files_path("first.mha"), files_path("end.mha")}};
     hs_volume v = files_read("fan.mha", &maps);
     uint8_t high = 0;
     for (size_t i = 0; i < COUNT; i++) {

@@ -61,9 +61,8 @@ static void matches_definition(void **state) {
             hs_camera camera;
             hs_dvr_settings s;
             float map[MAP_W * MAP_H];
-            char where[64];
             hs_volume volume = dvr_lay_out(&random, scene, view, 2.0f, &camera, &s, map);
-            (void)snprintf(where, sizeof where, "scene %zu, view %zu", scene, view);
+            const char *const where = unit_text("scene %zu, view %zu", scene, view);
             compare(*state, &random, &volume, &camera, s, dvr_views[view].map == MAP_NONE ? NULL : map,
                     scene % 2 == 0, where);
         }
@@ -81,9 +80,8 @@ static void matches_definition_when_halved(void **state) {
             hs_camera camera;
             hs_camera_look(&camera, &volume, 20.0 * (double)view - 31.0, 14.0 * (double)i);
             float map[MAP_W * MAP_H];
-            char where[64];
             dvr_fill_map(&random, dvr_views[view].map, map);
-            (void)snprintf(where, sizeof where, "halved volume %zu, view %zu", i, view);
+            const char *const where = unit_text("halved volume %zu, view %zu", i, view);
             compare(*state, &random, &volume, &camera, dvr_settings_of(&dvr_views[view]),
                     dvr_views[view].map == MAP_NONE ? NULL : map, view % 2 == 0, where);
         }

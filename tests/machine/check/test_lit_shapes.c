@@ -318,14 +318,13 @@ static void shading_is_the_analytic_one_at_any_angle(void **state) {
     test_random random = {20};
     for (int i = 0; i < ANGLES; i++) {
         lit_shape s = {.plane = i % 2 == 0, .edge = edges[i % 3], .level = test_uniform(&random, 120, 255)};
-        char name[48];
         for (int k = 0; k < 3; k++) s.radius[k] = test_uniform(&random, 26, 40);
         s.turn = test_uniform(&random, -50, 50);
         s.tilt = test_uniform(&random, -30, 30);
         s.yaw = s.plane ? 0.0 : test_uniform(&random, -90, 90);
         s.pitch = s.plane ? 0.0 : test_uniform(&random, -60, 60);
-        (void)snprintf(name, sizeof name, "%s %d, %+3.0f, %+3.0f", s.plane ? "plane" : "ellipsoid", i, s.turn,
-                       s.plane ? s.tilt : s.yaw);
+        const char *const name = unit_text("%s %d, %+3.0f, %+3.0f", s.plane ? "plane" : "ellipsoid", i,
+                                           s.turn, s.plane ? s.tilt : s.yaw);
         s.name = name;
         (void)hold(*state, &s, 128, hold(*state, &s, 64, 0.0));
     }

@@ -48,9 +48,8 @@ static void the_matrix_counts_else_the_letters(void **state) {
 static void directions_and_offsets_are_taken_as_they_are(void **state) {
     static const char *const names[] = {"Offset", "Position", "Origin"};
     for (size_t i = 0; i < 3; i++) {
-        char lines[200];
-        (void)snprintf(lines, sizeof lines, "%s = 1.5 -2 1e3\nTransformMatrix = 0.8 0.6 0 -0.6 0.8 0 0 0 1\n",
-                       names[i]);
+        const char *const lines =
+            unit_text("%s = 1.5 -2 1e3\nTransformMatrix = 0.8 0.6 0 -0.6 0.8 0 0 0 1\n", names[i]);
         hs_volume v = read_lines(lines, 3);
         /* One axis' direction after the other in the file; ours are columns. */
         static const double expected[9] = {0.8, -0.6, 0, 0.6, 0.8, 0, 0, 0, 1};
@@ -69,9 +68,7 @@ static void the_probe_stands_where_the_near_end_is(void **state) {
                  {"FMD", HS_PROBE_LOW_X},  {"NMA", HS_PROBE_HIGH_X}, {"MAF", HS_PROBE_LOW_Z},
                  {"MAN", HS_PROBE_HIGH_Z}, {"X", HS_PROBE_LOW_Z},    {"XX", HS_PROBE_LOW_Z}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        char line[64];
-        (void)snprintf(line, sizeof line, "UltrasoundImageOrientation = %s\n", known[i].value);
-        hs_volume v = read_lines(line, 3);
+        hs_volume v = read_lines(unit_text("UltrasoundImageOrientation = %s\n", known[i].value), 3);
         assert_int_equal(v.probe, known[i].probe);
     }
 }

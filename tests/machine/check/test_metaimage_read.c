@@ -194,11 +194,10 @@ static void header_size_skips_bytes_of_the_data_file(void **state) {
     files_write("skip.raw", NULL, data, sizeof data);
     static const char *const sizes[] = {"5", "-1"};
     for (int i = 0; i < 2; i++) {
-        char text[256];
-        (void)snprintf(text, sizeof text,
-                       "NDims = 3\nDimSize = 3 1 1\nElementType = MET_UCHAR\nHeaderSize = %s\nElementSize = "
-                       "3 4 5\nElementDataFile = skip.raw",
-                       sizes[i]);
+        const char *const text =
+            unit_text("NDims = 3\nDimSize = 3 1 1\nElementType = MET_UCHAR\nHeaderSize = %s\nElementSize = "
+                      "3 4 5\nElementDataFile = skip.raw",
+                      sizes[i]);
         files_write("skip.mhd", text, NULL, 0);
         hs_volume volume = files_read("skip.mhd", NULL);
         assert_memory_equal(volume.voxels, data + 5, 3);

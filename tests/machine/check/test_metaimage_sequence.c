@@ -11,10 +11,8 @@ enum { VOXELS = 8 };
 /* `frames` volumes of 2 x 2 x 2 voxels, of which number f holds 10 f + 1 .. 10 f + 8. */
 static void write_sequence(const char *name, const char *lines, int frames) {
     uint8_t data[16 * VOXELS];
-    char size[16];
     for (int i = 0; i < frames * VOXELS; i++) data[i] = (uint8_t)(i / VOXELS * 10 + i % VOXELS + 1);
-    (void)snprintf(size, sizeof size, "2 2 2 %d", frames);
-    files_volume(name, size, "MET_UCHAR", lines, data, (size_t)frames * VOXELS);
+    files_volume(name, unit_text("2 2 2 %d", frames), "MET_UCHAR", lines, data, (size_t)frames * VOXELS);
 }
 
 static void volumes_come_one_after_the_other(void **state) {
@@ -154,10 +152,8 @@ static void sizes_of_sequences_are_checked(void **state) {
                {"2048 1024 1024 100000", "16 bytes of data, expected 214748364800000"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         static const uint8_t data[16] = {1};
-        char text[300];
-        (void)snprintf(text, sizeof text,
-                       "NDims = 4\nDimSize = %s\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
-                       bad[i].size);
+        const char *const text = unit_text(
+            "NDims = 4\nDimSize = %s\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", bad[i].size);
         files_write("size.mha", text, data, sizeof data);
         files_refused("size.mha", bad[i].told);
     }

@@ -14,9 +14,7 @@
 #define FETUS "{ \"type\": \"fetus\", \"position_mm\": [60, 64, 74], \"scale\": 0.55%s }"
 
 static hs_scene_data make(const char *structures, uint32_t size) {
-    char text[4096];
-    (void)snprintf(text, sizeof text, SCENE, structures);
-    return make_text_scene(text, size);
+    return make_text_scene(unit_text(SCENE, structures), size);
 }
 
 static uint8_t tissue(const hs_scene_data *d, size_t pixel, long z) {
@@ -121,10 +119,8 @@ static void a_gap_needs_both_its_ends(void **state) {
          "structures[0]: fetus is 1, but the scene has 1"},
     };
     for (int i = 0; i < 3; i++) {
-        char text[2048];
         hs_error err = {0};
-        (void)snprintf(text, sizeof text, SCENE, bad[i].structures);
-        assert_null(scene_of_text(text, &err));
+        assert_null(scene_of_text(unit_text(SCENE, bad[i].structures), &err));
         unit_told(err, HS_ERR_INPUT, bad[i].error);
     }
 }
@@ -132,11 +128,10 @@ static void a_gap_needs_both_its_ends(void **state) {
 /* On a beam through the bladder: wall, 12 mm of urine, which is dark, its own wall, the uterus', the
  * sac. No interval holds urine, and a ray that meets no other fluid has no label. */
 static void a_bladder_is_no_sac(void **state) {
-    char structures[512];
-    (void)snprintf(structures, sizeof structures,
-                   "{ \"type\": \"bladder\", \"centre_mm\": [96, 96, 17], \"radii_mm\": [22, 22, 6], "
-                   "\"wall_mm\": 3 }, " FETUS,
-                   ", \"gap_mm\": 10");
+    const char *const structures =
+        unit_text("{ \"type\": \"bladder\", \"centre_mm\": [96, 96, 17], \"radii_mm\": [22, 22, 6], "
+                  "\"wall_mm\": 3 }, " FETUS,
+                  ", \"gap_mm\": 10");
     hs_scene_data d = make(structures, 120);
     const size_t through = (size_t)96 * 120 + 96;
     long z = 0, order[5] = {0};
@@ -242,9 +237,8 @@ static void twins_are_two(void **state) {
 static void twins_keep_their_shape(void **state) {
     static const char left[] = "{ \"type\": \"fetus\", \"position_mm\": [50, 60, 66], \"scale\": 0.6 }";
     static const char right[] = "{ \"type\": \"fetus\", \"position_mm\": [70, 60, 66], \"scale\": 0.6 }";
-    char both[512];
     hs_scene_data d[3];
-    (void)snprintf(both, sizeof both, "%s, %s", left, right);
+    const char *const both = unit_text("%s, %s", left, right);
     d[0] = make(left, 96);
     d[1] = make(right, 96);
     d[2] = make(both, 96);

@@ -168,12 +168,11 @@ static void edges_are_soft(void **state) {
 static void a_turned_camera_sees_the_same_scan(void **state) {
     enum { SIDE = 48 };
     hs_error err = {0};
-    char turned[8192];
     hs_scene_data straight = make_scene("E03", SIDE, 2, 0, 0);
     hs_scene *scene = hs_scene_open("E03", &err);
     assert_non_null(scene);
-    (void)snprintf(turned, sizeof turned, "{\"camera_deg\": [0, 90, 0],%s",
-                   strchr(hs_scene_json(scene), '{') + 1);
+    const char *const turned =
+        unit_text("{\"camera_deg\": [0, 90, 0],%s", strchr(hs_scene_json(scene), '{') + 1);
     hs_scene_close(scene);
     const hs_scene_data side = make_text_scene(turned, SIDE);
     size_t tissues = 0;

@@ -103,9 +103,8 @@ static void shares_are_kept(void **state) {
  * not matter to it. */
 static void random_scenes_are_scenes(void **state) {
     for (uint32_t i = 0; i < 16; i++) {
-        char name[32];
         hs_error err = {0};
-        (void)snprintf(name, sizeof name, "R11_%u", i);
+        const char *const name = unit_text("R11_%u", i);
         hs_scene *scene = hs_scene_open(name, &err);
         if (!scene) fail_msg("%s", err.text);
         assert_string_equal(hs_scene_name(scene), name);

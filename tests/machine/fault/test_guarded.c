@@ -259,8 +259,7 @@ static void who_is_guarded(void **state) {
 /* The address sanitizer would make an exit of a crash in the child. */
 static int set_up_crashes(void **state) {
     const char *options = getenv("ASAN_OPTIONS");
-    char more[1024];
-    (void)snprintf(more, sizeof more, "%s:handle_segv=0", options ? options : "");
+    const char *const more = unit_text("%s:handle_segv=0", options ? options : "");
     if (getenv("SV_SANITIZE")) (void)setenv("ASAN_OPTIONS", more, 1);
     return set_up(state);
 }

@@ -211,9 +211,8 @@ static void other_syntaxes_are_refused(void **state) {
     static const char *const others[] = {"1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.2",
                                          "1.2.840.10008.1.20", "1.2", ""};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
-        char told[100];
-        (void)snprintf(told, sizeof told, "(0002,0010) transfer syntax is '%s', expected implicit or",
-                       others[i]);
+        const char *const told =
+            unit_text("(0002,0010) transfer syntax is '%s', expected implicit or", others[i]);
         const dicom d = dicom_good(others[i]);
         refused(&d, told);
     }

@@ -199,10 +199,8 @@ static void data_files(void **state) {
                 {"zero.raw", "ElementDataFile 'zero.raw': cannot be read: not a regular file"},
                 {"pipe.raw", "ElementDataFile 'pipe.raw': cannot be read: not a regular file"}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        char text[200];
-        (void)snprintf(text, sizeof text,
-                       "NDims = 3\nDimSize = 4 3 4\nElementType = MET_UCHAR\nElementDataFile = %s\n",
-                       rows[i].name);
+        const char *const text = unit_text(
+            "NDims = 3\nDimSize = 4 3 4\nElementType = MET_UCHAR\nElementDataFile = %s\n", rows[i].name);
         files_write("near.mhd", text, NULL, 0);
         if (rows[i].told)
             files_refused("near.mhd", rows[i].told);
@@ -235,13 +233,11 @@ static void compressed(void **state) {
     size_t bytes;
     uint8_t *packed = files_deflate(good_data, GOOD_BYTES, &bytes);
     for (int more = -1; more <= 1; more++) {
-        char text[600];
-        (void)snprintf(text, sizeof text, TEXT "CompressedData = True\nCompressedDataSize = %zu\n" LAST,
-                       (size_t)((long)bytes + more));
+        const char *const text = unit_text(TEXT "CompressedData = True\nCompressedDataSize = %zu\n" LAST,
+                                           (size_t)((long)bytes + more));
         files_write("packed.mha", text, packed, bytes);
-        char told[96];
-        (void)snprintf(told, sizeof told, ":8: CompressedDataSize is '%zu', but 'LOCAL' has %zu bytes",
-                       (size_t)((long)bytes + more), bytes);
+        const char *const told = unit_text(":8: CompressedDataSize is '%zu', but 'LOCAL' has %zu bytes",
+                                           (size_t)((long)bytes + more), bytes);
         if (more != 0)
             files_refused("packed.mha", told);
         else

@@ -4,16 +4,13 @@
 #include "support/result_files.h"
 #include "support/result_fixture.h"
 
-#include <limits.h>
 #include <unistd.h>
 
 static void expect_refused(hs_loop *loop, const hs_source *source, uint32_t what, hs_code code,
                            const char *told) {
     hs_result_report report;
     hs_error err = {0};
-    char folder[PATH_MAX];
-    (void)snprintf(folder, sizeof folder, "%s", files_path("."));
-    assert_false(hs_results_write(loop, source, what, 0, folder, &report, &err));
+    assert_false(hs_results_write(loop, source, what, 0, files_path("."), &report, &err));
     unit_told(err, code, told);
     assert_int_not_equal(access(files_path("mask.mha"), F_OK), 0);
 }
@@ -32,8 +29,7 @@ static void write_bytes(const char *path) {
 
 static void files_of_two_types_make_no_sequence(void **state) {
     const result_fixture *f = *state;
-    char second[PATH_MAX];
-    (void)snprintf(second, sizeof second, "%s", files_path("second.mha"));
+    const char *const second = files_path("second.mha");
     write_bytes(second);
     const char *const paths[] = {f->source, second};
     sv_param_value values[2];
@@ -47,8 +43,7 @@ static void files_of_two_types_make_no_sequence(void **state) {
 /* Between reading and writing somebody else writes the file. */
 static void a_file_that_changed_is_noticed(void **state) {
     const result_fixture *f = *state;
-    char path[PATH_MAX];
-    (void)snprintf(path, sizeof path, "%s", files_path("second.mha"));
+    const char *const path = files_path("second.mha");
     source_write(path, 2, "");
     const char *const paths[] = {path};
     sv_param_value values[2];

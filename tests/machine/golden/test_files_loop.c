@@ -23,32 +23,24 @@ static uint8_t levels[VOLUMES]; /* 10 + 9 n */
 
 /* Paths of files that were written; good until the next list is begun. */
 typedef struct {
-    char text[VOLUMES][256];
     const char *path[VOLUMES];
     uint32_t count;
 } list;
 
 static void add_path(list *files, const char *name) {
-    (void)snprintf(files->text[files->count], sizeof files->text[0], "%s", files_path(name));
-    files->path[files->count] = files->text[files->count];
-    files->count++;
+    files->path[files->count++] = files_path(name);
 }
 
 /* A file of `volumes` volumes from volume `n` on, each at its own place in the patient. */
 static void add_file(list *files, uint32_t n, uint32_t volumes, uint32_t nz, const char *more) {
-    char name[32], text[400];
     const size_t count = (size_t)NX * NY * nz;
     uint8_t *voxels = malloc(volumes * count);
     assert_non_null(voxels);
     for (uint32_t v = 0; v < volumes; v++) memset(voxels + v * count, levels[n + v], count);
-    const bool sequence = volumes > 1;
-    (void)snprintf(name, sizeof name, "file%02u.mha", n);
-    (void)snprintf(text, sizeof text,
-                   "NDims = %d\nDimSize = %d %d %u%s%.0u\nOffset = %u 0 0%s\n%sElementType = MET_UCHAR\n"
-                   "ElementDataFile = LOCAL\n",
-                   sequence ? 4 : 3, NX, NY, nz, sequence ? " " : "", sequence ? volumes : 0, n,
-                   sequence ? " 0" : "", more);
-    files_write(name, text, voxels, volumes * count);
+    const char *const name = unit_text("file%02u.mha", n), *const one = unit_text("%d %d %u", NX, NY, nz);
+    const char *const lines = unit_text("Offset = %u 0 0%s\n%s", n, volumes > 1 ? " 0" : "", more);
+    files_volume(name, volumes > 1 ? unit_text("%s %u", one, volumes) : one, "MET_UCHAR", lines, voxels,
+                 volumes * count);
     free(voxels);
     add_path(files, name);
 }
@@ -124,11 +116,10 @@ static void volumes_come_in_any_order(void **state) {
     hs_source *source = open_list(files);
     expect_any_order(source, levels);
     for (uint32_t at = VOLUMES; at-- > 0;) {
-        char name[32];
         hs_error err = {0};
         const hs_volume *volume = hs_source_bring(source, at, &err);
         const hs_source_origin *origin = hs_source_origin_of(source, at);
-        (void)snprintf(name, sizeof name, "file%02u.mha", at);
+        const char *const name = unit_text("file%02u.mha", at);
         assert_true(volume && open_files() <= open_before + 1);
         assert_string_equal(volume->name, name);
         assert_true(volume->pose.origin[0] == at);

@@ -7,7 +7,6 @@
 #include "support/result_files.h"
 #include "support/result_fixture.h"
 
-#include <limits.h>
 #include <math.h>
 
 static void expect_the_sources_place(const result_file *file) {
@@ -201,15 +200,12 @@ static void expect_two_volumes(const result_file *clipped, const result_file *ma
 
 static void sequences_give_sequences(void **state) {
     const result_fixture *f = *state;
-    char first[PATH_MAX], second[PATH_MAX];
-    (void)snprintf(first, sizeof first, "%s", files_path("sequence.mha"));
-    (void)snprintf(second, sizeof second, "%s", files_path("second.mha"));
-    source_write(first, 2,
+    const char *const paths[] = {files_path("sequence.mha"), files_path("second.mha")};
+    source_write(paths[0], 2,
                  "Seq_Frame0000_ImageStatus = INVALID\nSeq_Frame0001_Timestamp = 2.5\n"
                  "Seq_Frame0001_ProbeToTrackerTransform = 1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1\n"
                  "Seq_Frame0001_ProbeToTrackerTransformStatus = INVALID\n");
-    source_write(second, 1, "");
-    const char *const paths[] = {first, second};
+    source_write(paths[1], 1, "");
     sv_param_value values[2];
     const hs_loop_options options = result_options(values);
     const hs_result_report report = result_write(f, paths, 2, NULL, &options, HS_RESULT_ALL);
@@ -234,9 +230,7 @@ static void sequences_give_sequences(void **state) {
 
 /* A sequence that this project wrote is read back by it. */
 static void sequences_read_back(void **state) {
-    char back[PATH_MAX];
-    (void)snprintf(back, sizeof back, "%s", files_path("clipped.mha"));
-    const char *const written[] = {back};
+    const char *const written[] = {files_path("clipped.mha")};
     const hs_source *source = open_source(written, 1, NULL);
     assert_int_equal(source->count, 2);
     const hs_frame_fields *fields = &hs_source_origin_of(source, 0)->fields;
