@@ -2,9 +2,9 @@
 #include "support/ref_lit.h"
 
 #include "support/ref_dvr.h"
+#include "support/unit.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static uint32_t smaller(uint32_t a, uint32_t b) {
     return a < b ? a : b;
@@ -68,20 +68,14 @@ static uint8_t cube_share(const hs_volume *v, const ref_lit_volume *lit, const u
     return (uint8_t)floor(255.0 * sum / (double)(side * side * side) + 0.5);
 }
 
-static void *memory(size_t bytes) {
-    void *at = calloc(bytes, 1);
-    if (!at) abort();
-    return at;
-}
-
 static void make_scanned(ref_lit_volume *lit, const hs_volume *v) {
     const uint32_t min_side = lit->factor == 1 ? 4 : 3;
     lit->side = lit->block > min_side ? lit->block : min_side;
     for (int k = 0; k < 3; k++)
         lit->shares[k] = (lit->n[k] - 2 * REF_LIT_BORDER + lit->side - 1) / lit->side + 2 * REF_LIT_BORDER;
     const size_t count = (size_t)lit->shares[0] * lit->shares[1] * lit->shares[2];
-    uint8_t *other = memory(count);
-    lit->scanned = memory(count);
+    uint8_t *other = unit_memory(count);
+    lit->scanned = unit_memory(count);
     for (uint32_t i = 0; i < count; i++)
         lit->scanned[i] =
             cube_share(v, lit,
@@ -89,7 +83,6 @@ static void make_scanned(ref_lit_volume *lit, const hs_volume *v) {
                                           i / lit->shares[0] / lit->shares[1]});
     smooth_once(lit->shares, lit->scanned, other);
     smooth_once(lit->shares, other, lit->scanned);
-    free(other);
 }
 
 double ref_lit_ramp(const hs_dvr_settings *s, double intensity) {
@@ -127,9 +120,9 @@ ref_lit_volume ref_lit_make(const hs_volume *v, const hs_dvr_settings *s) {
     lit.block = longest > 48 ? (uint32_t)floor(longest / 48.0 + 0.5) : 1;
     for (int k = 0; k < 3; k++) lit.cells[k] = (lit.n[k] + lit.block - 1) / lit.block;
     const size_t count = (size_t)lit.n[0] * lit.n[1] * lit.n[2];
-    uint8_t *other = memory(count);
-    lit.smooth = memory(count);
-    lit.opacity = memory((size_t)lit.cells[0] * lit.cells[1] * lit.cells[2]);
+    uint8_t *other = unit_memory(count);
+    lit.smooth = unit_memory(count);
+    lit.opacity = unit_memory((size_t)lit.cells[0] * lit.cells[1] * lit.cells[2]);
     for (uint32_t z = REF_LIT_BORDER; z < lit.n[2] - REF_LIT_BORDER; z++)
         for (uint32_t y = REF_LIT_BORDER; y < lit.n[1] - REF_LIT_BORDER; y++)
             for (uint32_t x = REF_LIT_BORDER; x < lit.n[0] - REF_LIT_BORDER; x++)
@@ -137,14 +130,7 @@ ref_lit_volume ref_lit_make(const hs_volume *v, const hs_dvr_settings *s) {
                     reduced(v, lit.factor, x - REF_LIT_BORDER, y - REF_LIT_BORDER, z - REF_LIT_BORDER);
     smooth_once(lit.n, lit.smooth, other);
     smooth_once(lit.n, other, lit.smooth);
-    free(other);
     make_opacity(&lit, s);
     make_scanned(&lit, v);
     return lit;
-}
-
-void ref_lit_free(ref_lit_volume *lit) {
-    free(lit->smooth);
-    free(lit->opacity);
-    free(lit->scanned);
 }

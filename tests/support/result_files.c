@@ -4,17 +4,15 @@
 #include <math.h>
 #include <zlib.h>
 
-/* All of a file; the caller frees. */
+/* All of a file, and a 0 behind it. */
 static uint8_t *slurp(const char *path, size_t *bytes) {
     FILE *file = fopen(path, "rb");
     if (!file) fail_msg("%s is not there", path);
     assert_int_equal(fseek(file, 0, SEEK_END), 0);
     *bytes = (size_t)ftell(file);
     rewind(file);
-    uint8_t *all = malloc(*bytes + 1);
-    assert_non_null(all);
+    uint8_t *all = unit_memory(*bytes + 1);
     assert_int_equal(fread(all, 1, *bytes, file), *bytes);
-    all[*bytes] = '\0';
     assert_int_equal(fclose(file), 0);
     return all;
 }
@@ -93,7 +91,6 @@ void result_open(result_file *file, const char *path) {
         assert_int_equal(bytes - text, expected);
         memcpy(file->data, all + text, expected);
     }
-    free(all);
 }
 
 void result_world(const result_file *file, const double index[3], double world[3]) {
@@ -148,5 +145,4 @@ void result_mesh_open(result_mesh *mesh, const char *path) {
         assert_int_equal(*at, 3);
         memcpy(mesh->face[i], at + 1, 12);
     }
-    free(all);
 }

@@ -169,9 +169,8 @@ static void check_histogram(const char *name, const hs_volume *v) {
 
 static void findings_of_the_thesis(void **state) {
     double error[9], sum = 0.0, sum_high = 0.0;
-    uint8_t *low = malloc((size_t)LOW * PIXELS);
-    sv_ref_ray *rays = malloc(PIXELS * sizeof *rays);
-    assert_true(low && rays);
+    uint8_t *low = unit_memory((size_t)LOW * PIXELS);
+    sv_ref_ray *rays = unit_memory(PIXELS * sizeof *rays);
     for (int c = 0; c < 9; c++) {
         hs_scene_data d = make_scene(scene_cases[c], SIZE, 2, 0, 0);
         check_histogram(scene_cases[c], &d.full);
@@ -194,8 +193,6 @@ static void findings_of_the_thesis(void **state) {
         sum += found.error;
         sum_high += high.error;
     }
-    free(rays);
-    free(low);
     printf("mean error %.2f, with a high bone threshold %.2f\n", sum / 9.0, sum_high / 9.0);
     for (int c = 1; c < 9; c++) assert_true(error[0] < error[c]); /* D01 is the easiest */
     for (int c = 0; c < 8; c++) assert_true(error[8] > error[c]); /* M03 the hardest */

@@ -29,8 +29,7 @@ static const geometry geometries[] = {
 
 /* `count` angles from -half to half, or the other way; uneven ones lie closer in the middle. */
 static double *angles(uint32_t count, double half, int uneven, int descending) {
-    double *table = malloc(count * sizeof *table);
-    assert_non_null(table);
+    double *table = unit_memory(count * sizeof *table);
     for (uint32_t i = 0; i < count; i++) {
         const double t = 2.0 * i / (count - 1) - 1.0;
         table[i] = (descending ? -half : half) * (uneven ? t * (0.7 + 0.3 * t * t) : t);
@@ -53,8 +52,6 @@ static hs_beams *make_beams(const geometry *g) {
     hs_error err = {0};
     hs_beams *beams = hs_beams_like(&shape, &err);
     assert_non_null(beams);
-    free(theta);
-    free(phi);
     return beams;
 }
 

@@ -25,7 +25,7 @@ static const char *const parts[][2] = {
 };
 enum { PARTS = sizeof parts / sizeof *parts };
 
-/* The state with one part replaced (NULL: left out) or, for a name of its own, added. The caller frees it. */
+/* The state with one part replaced (NULL: left out) or, for a name of its own, added. */
 static char *state_with(const char *name, const char *value) {
     char *text = NULL;
     size_t bytes = 0;
@@ -43,6 +43,7 @@ static char *state_with(const char *name, const char *value) {
     if (name && !known) fprintf(out, ",\"%s\":%s", name, value);
     fprintf(out, "}");
     assert_int_equal(fclose(out), 0);
+    unit_keep(free, text);
     return text;
 }
 
@@ -56,7 +57,6 @@ static void a_state_arrives_as_it_was_meant(void **unused) {
     hs_error err;
     char *text = state_with(NULL, NULL);
     assert_true(read_text(text, &m, &err));
-    free(text);
     const hs_console_state *s = &m.state;
     assert_int_equal(m.says, HS_CONSOLE_SAYS_STATE);
     assert_int_equal(s->serial, 7);
@@ -89,14 +89,12 @@ static void a_file_and_one_lane_are_a_state_too(void **unused) {
     hs_error err;
     char *text = state_with("source", "{\"folder\":1,\"path\":\"a b/c.mha\",\"from\":\"left\"}");
     assert_true(read_text(text, &m, &err));
-    free(text);
     assert_string_equal(m.state.source.scene, "");
     assert_string_equal(m.state.source.path, "a b/c.mha");
     assert_int_equal(m.state.source.folder, 1);
     assert_int_equal(m.state.source.from, HS_FROM_LEFT);
     text = state_with("lanes", "[{\"plugin\":3,\"values\":{}}]");
     assert_true(read_text(text, &m, &err));
-    free(text);
     assert_false(m.state.lane[1].used);
 }
 
@@ -234,21 +232,19 @@ static void a_wrong_field_is_named(void **unused) {
         if (read_text(text, &m, &err) || err.code == HS_OK || !strstr(err.text, cases[i].says))
             fail_msg("%s = %s gave '%s', expected '%s'", cases[i].part,
                      cases[i].value ? cases[i].value : "nothing", err.text, cases[i].says);
-        free(text);
     }
 }
 
 static void limits_of_size_hold(void **unused) {
     hs_console_message m;
     hs_error err = {0};
-    char *text = malloc(HS_CONSOLE_MAX_MESSAGE + 2), values[HS_CONSOLE_VALUES * 12 + 64];
+    char *text = unit_memory(HS_CONSOLE_MAX_MESSAGE + 2), values[HS_CONSOLE_VALUES * 12 + 64];
     memset(text, ' ', HS_CONSOLE_MAX_MESSAGE + 2);
     const int length = snprintf(text, 32, "{\"type\":\"seen\",\"frame\":1}");
     text[length] = ' ';
     assert_true(hs_console_message_read(text, HS_CONSOLE_MAX_MESSAGE, &m, &err));
     assert_false(hs_console_message_read(text, HS_CONSOLE_MAX_MESSAGE + 1, &m, &err));
     assert_non_null(strstr(err.text, "16385 bytes, expected at most 16384"));
-    free(text);
     for (int more = 0; more < 2; more++) {
         int used = snprintf(values, sizeof values, "[{\"plugin\":0,\"values\":{");
         for (int i = 0; i < HS_CONSOLE_VALUES + more; i++)
@@ -257,7 +253,6 @@ static void limits_of_size_hold(void **unused) {
         text = state_with("lanes", values);
         assert_int_equal(read_text(text, &m, &err), !more);
         if (more) assert_non_null(strstr(err.text, "values: has more than 96 members"));
-        free(text);
     }
     /* A message need not end with a NUL, and one that stands in it does not end it. */
     err = (hs_error){0};

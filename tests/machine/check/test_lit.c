@@ -47,7 +47,6 @@ static void compare(const hs_cl *cl, test_random *random, const hs_volume *volum
     if ((double)far_off > FAR_SHARE * (double)pixels || rms > FAR_SQUARES)
         fail_msg("%s: %zu of %zu pixels are off, RMS %.3f, worst %.1f levels", where, far_off, pixels, rms,
                  worst);
-    ref_lit_free(&lit);
 }
 
 static void matches_definition(void **state) {

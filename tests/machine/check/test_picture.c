@@ -318,8 +318,7 @@ static void signed_maps_and_shares_use_their_colours(void **state) {
 static void odd_sizes_are_drawn(void **state) {
     static const uint32_t sizes[][2] = {{1, 1},    {1, 500},  {500, 1}, {171, 128},
                                         {1281, 3}, {3000, 2}, {2, 3000}};
-    float *depth = malloc(sizeof(float) * 171 * 128);
-    assert_non_null(depth);
+    float *depth = unit_memory(sizeof(float) * 171 * 128);
     for (int i = 0; i < 171 * 128; i++) depth[i] = (float)(i % 97) * 1e-3f;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         hs_picture a, b;
@@ -330,7 +329,6 @@ static void odd_sizes_are_drawn(void **state) {
         hs_picture_free(&a);
         hs_picture_free(&b);
     }
-    free(depth);
 }
 
 UNIT_MAIN(files_setup, teardown, viridis_is_perceptually_uniform, the_diverging_map_is_white_in_the_middle,

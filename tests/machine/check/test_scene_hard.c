@@ -199,9 +199,8 @@ static void nothing_before_the_fetus(void **state) {
 /* Voxels of the fetus that hang together with the first, and all of them. */
 static size_t connected(const hs_scene_data *d, size_t *all) {
     const size_t n = d->full.nx, slice = n * n, count = hs_volume_count(&d->full);
-    size_t *stack = malloc(count * sizeof *stack), used = 0, reached = 0, first = 0;
-    uint8_t *seen = calloc(count, 1);
-    assert_true(stack && seen);
+    size_t *stack = unit_memory(count * sizeof *stack), used = 0, reached = 0, first = 0;
+    uint8_t *seen = unit_memory(count);
     *all = 0;
     for (size_t i = 0; i < count; i++) *all += hs_tissue_is_fetus(d->tissue[i]);
     while (!hs_tissue_is_fetus(d->tissue[first])) first++;
@@ -214,8 +213,6 @@ static size_t connected(const hs_scene_data *d, size_t *all) {
         for (int k = 0; k < 6; k++)
             if (!seen[to[k]] && hs_tissue_is_fetus(d->tissue[to[k]])) seen[to[k]] = 1, stack[used++] = to[k];
     }
-    free(stack);
-    free(seen);
     return reached;
 }
 
