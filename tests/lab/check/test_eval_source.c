@@ -70,9 +70,8 @@ static void must_fail(const char *first, const char *end, hs_code code, const ch
 static void maps_tell_what_was_scanned(void **state) {
     const fixture *f = *state;
     hs_eval_source s;
-    hs_error err = {0};
     uint32_t black = 0;
-    if (!open_case("first.mha", "end.mha", &s, &err)) fail_msg("%s", err.text);
+    must(open_case("first.mha", "end.mha", &s, &err));
     const hs_volume *const of[] = {hs_source_volume(&s.source, 0), hs_source_truth(&s.source, 0)};
     const uint8_t *const was[] = {f->scene.full.voxels, f->scene.truth.voxels};
     for (int k = 0; k < 2; k++)
@@ -91,9 +90,8 @@ static void maps_tell_what_was_scanned(void **state) {
 /* Without maps a zero that reaches the border passes for unscanned, inner black fluid does not. */
 static void without_maps_zeros_are_guessed_at(void **state) {
     hs_eval_source with, without;
-    hs_error err = {0};
-    if (!open_case("first.mha", "end.mha", &with, &err)) fail_msg("%s", err.text);
-    if (!open_case(NULL, NULL, &without, &err)) fail_msg("%s", err.text);
+    must(open_case("first.mha", "end.mha", &with, &err));
+    must(open_case(NULL, NULL, &without, &err));
     assert_memory_not_equal(hs_source_volume(&with.source, 0)->voxels,
                             hs_source_volume(&without.source, 0)->voxels, (size_t)RAYS * N);
     hs_eval_source_close(&with);

@@ -22,9 +22,8 @@ static size_t plane_of(const wall_case *c) {
 
 /* A copy behind so many slices that were not scanned. */
 static wall_case copy_behind(const wall_case *from, uint32_t room) {
-    hs_error err = {0};
     wall_case c;
-    assert_true(wall_case_room(from, room, &c, &err));
+    must(wall_case_room(from, room, &c, &err));
     memcpy(c.full + plane_of(&c) * room, from->full, plane_of(&c) * from->nz);
     for (size_t i = 0; i < plane_of(&c); i++) {
         const uint32_t more = from->end[i] > from->first[i] ? room : 0;
@@ -36,8 +35,7 @@ static wall_case copy_behind(const wall_case *from, uint32_t room) {
 
 /* The plugin's map. The caller frees it. */
 static float *map_of(surf_session *session, const wall_case *c) {
-    hs_error err = {0};
-    if (!surf_session_frame(session, c, &err)) fail_msg("%s", err.text);
+    must(surf_session_frame(session, c, &err));
     assert_true(surf_session_clips(session));
     float *map = malloc(plane_of(c) * sizeof *map);
     assert_non_null(map);

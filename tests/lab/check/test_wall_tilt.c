@@ -45,9 +45,8 @@ static wall_case make(void) {
 }
 
 static wall_case turned(double about_x, double about_y) {
-    hs_error err = {0};
     wall_case c = make();
-    assert_true(wall_case_tilt(&c, (double[]){about_x, about_y}, &err));
+    must(wall_case_tilt(&c, (double[]){about_x, about_y}, &err));
     return c;
 }
 

@@ -36,7 +36,6 @@ static bool run_one(const hs_launch *launch, hs_error *err) {
 
 static void test_launch_runs(void **state) {
     fixture *f = *state;
-    hs_error err = {0};
     const cl_int4 dims = {{2, 2, 2, 0}}, bricks = {{1, 1, 1, 0}};
     const cl_uchar voxels[8] = {1, 7, 3, 0, 200, 5, 6, 4};
     cl_uchar maximum = 0;
@@ -50,7 +49,7 @@ static void test_launch_runs(void **state) {
     hs_launch_arg(&launch, sizeof dims, &dims);
     hs_launch_arg(&launch, sizeof bricks, &bricks);
     hs_launch_buffer(&launch, maxima);
-    if (!run_one(&launch, &err)) fail_msg("%s", err.text);
+    must(run_one(&launch, &err));
     code = clEnqueueReadBuffer(f->cl.queue, maxima, CL_TRUE, 0, 1, &maximum, 0, NULL, NULL);
     assert_int_equal(code, CL_SUCCESS);
     assert_int_equal(maximum, 200);

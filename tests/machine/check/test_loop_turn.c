@@ -100,17 +100,16 @@ static void a_reactivated_plugin_is_one_that_was_activated_so(void **state) {
     sv_param_value tilted[2] = {{.id = DEPTH, .value = 2}, {.id = SHAPE, .value = 1}};
     const hs_loop_options before = turnable(flat, 2, 0, 0, 1), after = turnable(tilted, 2, 0, 0, 1);
     const size_t bytes = (size_t)before.dvr.width * before.dvr.height * 4;
-    hs_error err = {0};
     hs_loop *loop = make_loop(f, &before);
     uint8_t *old = result_of(loop, &before.dvr, &f->cl);
-    assert_true(hs_loop_reactivate(loop, f->plugin, &after, &err));
+    must(hs_loop_reactivate(loop, f->plugin, &after, &err));
     uint8_t *anew = result_of(loop, &before.dvr, &f->cl), *made = result_of_new(f, &after);
     assert_int_equal(count_differences(anew, made, bytes), 0);
     assert_true(count_differences(anew, old, bytes) > 0);
     /* Without a plugin nothing is clipped, and nothing fails. */
     hs_frame frame = {0};
-    assert_true(hs_loop_reactivate(loop, NULL, &after, &err));
-    assert_true(hs_loop_convert(loop, 0, &err) && hs_loop_ask(loop, 0, &frame, &err));
+    must(hs_loop_reactivate(loop, NULL, &after, &err));
+    must(hs_loop_convert(loop, 0, &err) && hs_loop_ask(loop, 0, &frame, &err));
     assert_false(frame.clipped);
 }
 

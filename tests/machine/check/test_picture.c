@@ -226,11 +226,9 @@ static void text_stays_in_its_place(void **state) {
 static void a_long_text_is_set_smaller_first(void **state) {
     uint32_t box[2][4];
     for (int i = 0; i < 2; i++) {
-        hs_error err = {0};
         hs_picture p = blank(300, 60, 0);
         const double max_width = i == 0 ? 0.0 : 0.8 * (box[0][2] - box[0][0]);
-        assert_true(
-            hs_picture_text(&p, 10, 40, 20, 0xffffff, HS_ALIGN_LEFT, max_width, "lldldldldldl", &err));
+        must(hs_picture_text(&p, 10, 40, 20, 0xffffff, HS_ALIGN_LEFT, max_width, "lldldldldldl", &err));
         ink_box(&p, box[i]);
     }
     const double wide = box[0][2] - box[0][0], high = box[0][3] - box[0][1];

@@ -40,9 +40,7 @@ static void loads_a_good_plugin_again_and_again(void **state) {
 
 static void a_given_id_is_found_or_answered_with_those_there_are(void **state) {
     hs_plugin plugin;
-    hs_error err = {0};
-    assert_true(
-        hs_plugin_open(&plugin, plugin_path("plane.so"), "org.smartvis.test.plane", SV_LOG_ERROR, &err));
+    must(hs_plugin_open(&plugin, plugin_path("plane.so"), "org.smartvis.test.plane", SV_LOG_ERROR, &err));
     hs_plugin_close(&plugin);
     expect_failure(plugin_path("plane.so"), "org.smartvis.test.plan",
                    (const char *const[]){"plane.so", "org.smartvis.test.plan'",
