@@ -33,12 +33,11 @@ static wall_case copy_behind(const wall_case *from, uint32_t room) {
     return c;
 }
 
-/* The plugin's map. The caller frees it. */
+/* The plugin's map. */
 static float *map_of(surf_session *session, const wall_case *c) {
     must(surf_session_frame(session, c, &err));
     assert_true(surf_session_clips(session));
-    float *map = malloc(plane_of(c) * sizeof *map);
-    assert_non_null(map);
+    float *map = unit_memory(plane_of(c) * sizeof *map);
     memcpy(map, session->depth, plane_of(c) * sizeof *map);
     return map;
 }
@@ -46,20 +45,13 @@ static float *map_of(surf_session *session, const wall_case *c) {
 /* Error of a map of the case's own size. */
 static double error_of(const wall_case *c, const float *map) {
     wall_calibration calibration = {0};
-    float *confidence = calloc(plane_of(c), sizeof *confidence);
-    assert_non_null(confidence);
-    const double error = wall_judge(c, c->full, map, confidence, &calibration).error;
-    free(confidence);
-    return error;
+    float *confidence = unit_memory(plane_of(c) * sizeof *confidence);
+    return wall_judge(c, c->full, map, confidence, &calibration).error;
 }
 
 static double error_unchanged(surf_session *s) {
     double sum = 0.0;
-    for (int n = 0; n < case_count; n++) {
-        float *map = map_of(s, &cases[n]);
-        sum += error_of(&cases[n], map) / case_count;
-        free(map);
-    }
+    for (int n = 0; n < case_count; n++) sum += error_of(&cases[n], map_of(s, &cases[n])) / case_count;
     return sum;
 }
 
@@ -81,8 +73,6 @@ static void test_moved_sideways(void **state) {
             sum += fabs((double)(moved[i + 1] - map[i]));
             rays += 1.0;
         }
-        free(map);
-        free(moved);
         wall_case_free(&c);
     }
     print_message("one pixel sideways: %.3f slices\n", sum / rays);
@@ -105,8 +95,6 @@ static void test_room_in_front(void **state) {
         }
         print_message("%s: room in front: %.4f slices\n", from->name, sum / rays);
         assert_true(sum / rays <= 0.3);
-        free(map);
-        free(far);
         wall_case_free(&c);
     }
 }
@@ -124,8 +112,7 @@ static void add_speckle(wall_case *c) {
 /* Weights 1 2 1 along an axis, twice: a Gaussian of one voxel. */
 static void blur_along(wall_case *c, size_t stride, size_t count) {
     const size_t all = plane_of(c) * c->nz;
-    uint8_t *from = malloc(all);
-    assert_non_null(from);
+    uint8_t *from = unit_memory(all);
     memcpy(from, c->full, all);
     for (size_t group = 0; group < all; group += stride * count)
         for (size_t at = 0; at < count; at++)
@@ -134,7 +121,6 @@ static void blur_along(wall_case *c, size_t stride, size_t count) {
                           high = at + 1 < count ? from[i + stride] : from[i];
                 c->full[i] = (uint8_t)((low + 2 * from[i] + high + 2) / 4);
             }
-    free(from);
 }
 
 static void blur(wall_case *c) {
@@ -156,9 +142,7 @@ static void test_grey_levels(void **state) {
             if (k == SPECKLE) add_speckle(&c);
             if (k == BLUR) blur(&c);
             if (k < LEVELS) wall_case_change(&c, changes[k][0], changes[k][1], changes[k][2]);
-            float *map = map_of(*state, &c);
-            sum += error_of(&cases[n], map) / case_count;
-            free(map);
+            sum += error_of(&cases[n], map_of(*state, &c)) / case_count;
             wall_case_free(&c);
         }
         if (k < LEVELS)
@@ -225,8 +209,7 @@ static wall_case resampled(const wall_case *from, const uint32_t n[3]) {
 
 /* Resamples the map of `c` at the pixels of `from`, which shows the same scan (bilinear). */
 static float *map_back(const wall_case *from, const wall_case *c, const float *map) {
-    float *out = calloc(plane_of(from), sizeof *out);
-    assert_non_null(out);
+    float *out = unit_memory(plane_of(from) * sizeof *out);
     for (size_t i = 0; i < plane_of(from); i++) {
         const double x = ((double)(i % from->nx) + 0.5) * c->nx / from->nx - 0.5,
                      y = ((double)(i / from->nx) + 0.5) * c->ny / from->ny - 0.5;
@@ -252,11 +235,7 @@ static void test_sizes(void **state) {
         double sum = 0.0;
         for (int i = 0; i < case_count; i++) {
             wall_case c = resampled(&cases[i], n);
-            float *map = map_of(*state, &c);
-            float *back = map_back(&cases[i], &c, map);
-            sum += error_of(&cases[i], back) / case_count;
-            free(back);
-            free(map);
+            sum += error_of(&cases[i], map_back(&cases[i], &c, map_of(*state, &c))) / case_count;
             wall_case_free(&c);
         }
         print_message("%u x %u x %u voxels: %.3f slices, %.3f as they are\n", n[0], n[1], n[2], sum, base);
@@ -264,29 +243,27 @@ static void test_sizes(void **state) {
     }
 }
 
-static bool read_cases(const char *folder, hs_error *err) {
+static const char *folder; /* of a site's cases */
+
+static int read_cases(void **state) {
+    static surf_session session;
     for (int n = 0; n < case_count; n++)
-        if (folder ? !wall_case_read(folder, names[n], &cases[n], err)
-                   : !wall_case_make(names[n], 1, 0, 0, &cases[n], err))
-            return false;
-    return true;
+        must(folder ? wall_case_read(folder, names[n], &cases[n], &err)
+                    : wall_case_make(names[n], 1, 0, 0, &cases[n], &err));
+    must(surf_session_open(&session, SURF_PLUGIN, "method=wall", &err));
+    *state = &session;
+    return 0;
+}
+
+static int free_cases(void **state) {
+    surf_session_close(*state);
+    for (int n = 0; n < case_count; n++) wall_case_free(&cases[n]);
+    return 0;
 }
 
 int main(int argc, char **argv) {
-    surf_session session;
-    const struct CMUnitTest tests[] = {cmocka_unit_test_prestate(test_moved_sideways, &session),
-                                       cmocka_unit_test_prestate(test_room_in_front, &session),
-                                       cmocka_unit_test_prestate(test_grey_levels, &session),
-                                       cmocka_unit_test_prestate(test_sizes, &session)};
-    hs_error err = {0};
-    case_count = argc > 1 ? MAX_CASES : 3;
-    if (!read_cases(argc > 1 ? argv[1] : NULL, &err) ||
-        !surf_session_open(&session, SURF_PLUGIN, "method=wall", &err)) {
-        (void)fprintf(stderr, "%s\n", err.text);
-        return 1;
-    }
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    surf_session_close(&session);
-    for (int n = 0; n < case_count; n++) wall_case_free(&cases[n]);
-    return failed;
+    folder = argc > 1 ? argv[1] : NULL;
+    case_count = folder ? MAX_CASES : 3;
+    return UNIT_RUN(__FILE__, read_cases, free_cases, test_moved_sideways, test_room_in_front,
+                    test_grey_levels, test_sizes);
 }
