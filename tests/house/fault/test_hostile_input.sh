@@ -27,7 +27,7 @@ holds clean stderr
 expect 2 '\x1b]0;title' "$escape"
 holds clean stderr
 sed "s/\"title\": *\"/&a\\\\u001b[31mb/" "$source/data/scenes/E01.json" > esc.json
-expect 0 "" scenes ./esc.json --size 32
+expect 3 'esc.json: title: has a control character' scenes ./esc.json --size 32
 holds clean stdout
 holds clean stderr
 for mode in --guard --no-guard; do
