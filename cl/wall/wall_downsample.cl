@@ -211,10 +211,6 @@ static void add_rows(const sv_wall_layout *l, const layer_t *layer, const strip_
             *to = fresh ? sum[r] : *to + sum[r];
         }
     }
-    for (uint r = 0; r < 2; r++) { /* long before store_beside loads them with their neighbours */
-        sums[r][-1] = sums[r][0];
-        sums[r][l->width] = sums[r][l->width - 1];
-    }
 }
 
 /* Adds slices to the rows' sums. `fresh`: the first slice is the first of its layer. */
@@ -222,6 +218,10 @@ static void add_slices(const sv_wall_layout *l, const layer_t *layer, const stri
                        const slices_t *slices, bool fresh, __global ushort *const sums[2]) {
     for (uint y = 0; y < s->rows; y += s->at_once)
         add_rows(l, layer, s, slices, (extent_t){y, min(y + s->at_once, s->rows)}, fresh && y == 0, sums);
+    for (uint r = 0; r < 2; r++) { /* long before store_beside loads them with their neighbours */
+        sums[r][-1] = sums[r][0];
+        sums[r][l->width] = sums[r][l->width - 1];
+    }
 }
 
 static layer_t layer_at(const sv_wall_layout *l, const strip_t *s, uint layer) {
