@@ -198,7 +198,7 @@ bool hs_marks_apply(const hs_mark *marks, uint32_t count, const hs_volume *volum
         find_threshold(&s, reach_of(&s));
         for (uint32_t y = 0; y < n[1]; y++)
             for (uint32_t x = 0; x < n[0]; x++)
-                if (is_near(&s, x, y)) apply_to(&s, x, y, m->keep != 0, &depth[(size_t)y * n[0] + x]);
+                if (is_near(&s, x, y)) apply_to(&s, x, y, m->keep, &depth[(size_t)y * n[0] + x]);
     }
     return true;
 }

@@ -15,7 +15,7 @@ enum { HS_MARKS_MAX = 64 };
 typedef struct {
     double place[3]; /* mm along the volume's x, y, z from the centre of its first voxel */
     double radius;   /* mm, > 0 */
-    uint32_t keep;   /* 1: keep, 0: remove */
+    bool keep;       /* else remove */
 } hs_mark;
 
 /*

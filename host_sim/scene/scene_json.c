@@ -129,12 +129,11 @@ static bool text(const hs_json *v, size_t room, char *out) {
 bool hs_json_word(const hs_json *v, const char *const *words, uint32_t count, uint32_t *out) {
     const char *word = json_string_value(v->value), *quote = word ? "'" : "";
     char all[256] = "";
+    size_t used = 0;
     for (*out = 0; word && *out < count; ++*out)
         if (strcmp(word, words[*out]) == 0) return true;
-    for (uint32_t i = 0; i < count; i++) {
-        strcat(all, i ? ", " : "");
-        strcat(all, words[i]);
-    }
+    for (uint32_t i = 0; i < count && used < sizeof all; i++)
+        used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", words[i]);
     return hs_json_fail(v, "is %s%.40s%s, expected one of %s", quote, word ? word : found(v->value), quote,
                         all);
 }

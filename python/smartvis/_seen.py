@@ -9,7 +9,7 @@ import os
 import threading
 import weakref
 from collections.abc import Sequence
-from ctypes import POINTER, c_char, c_double, c_float, c_int32, c_uint32, c_uint64, c_void_p
+from ctypes import POINTER, c_bool, c_char, c_double, c_float, c_int32, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -72,7 +72,7 @@ class _View(ctypes.Structure):
 
 
 class _Mark(ctypes.Structure):
-    _fields_ = [("place", c_double * 3), ("radius", c_double), ("keep", c_uint32)]
+    _fields_ = [("place", c_double * 3), ("radius", c_double), ("keep", c_bool)]
 
 
 @cache

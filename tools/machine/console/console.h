@@ -110,7 +110,6 @@ typedef struct {
     hs_console_deed deed;
     hs_console_view view;
     hs_mark mark; /* its place is still to be found */
-    bool keep;    /* as the mark says it */
     double at[2]; /* 0 .. 1 of the picture: right, down */
 } hs_console_message;
 

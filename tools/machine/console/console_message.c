@@ -218,7 +218,7 @@ static const hs_json_field deed_fields[] = {
     OTHER("view", true),
     FIELD(hs_console_message, at, DOUBLE, 0, 1, true),
     NAMED("radius", hs_console_message, mark.radius, DOUBLE, HS_MARK_RADIUS_LEAST, HS_MARK_RADIUS_MOST, true),
-    FIELD(hs_console_message, keep, FLAG, 0, 0, true),
+    NAMED("keep", hs_console_message, mark.keep, FLAG, 0, 0, true),
 };
 
 static bool read_deed(const hs_json *root, hs_console_message *out) {
@@ -230,7 +230,6 @@ static bool read_deed(const hs_json *root, hs_console_message *out) {
     if (!hs_json_word(&at, deeds, 3, &what) || !hs_json_read_typed(root, deed_fields, counts[what], out))
         return false;
     out->deed = (hs_console_deed)what;
-    out->mark.keep = out->keep;
     if (!hs_json_member(root, "view", &at)) return true;
     const bool ok = hs_json_word(&at, view_names, HS_CONSOLE_VIEWS, &view);
     out->view = (hs_console_view)view;
