@@ -105,13 +105,18 @@ static void local_place(const fan *f, const double p[3], double out[3]) {
     }
 }
 
+/* hypot without its care for overflow, which takes its time: squares of mm are small. */
+static double length_of(double x, double y) {
+    return sqrt(x * x + y * y);
+}
+
 /* How far the point lies beyond the nearest surface of the fan (inside: below 0), which is `surface`: 0, 1
  * lines, 2, 3 planes, 4, 5 radii. `slope`: what that changes by for each unknown. */
 static double beyond(const fan *f, const double p[3], int *surface, double slope[UNKNOWNS]) {
     double l[3], least = DBL_MAX;
     local_place(f, p, l);
-    const double w = l[2] - f->x[SWEEP], h = hypot(l[1], w) + 1e-9, c = h + f->x[SWEEP];
-    const double r = hypot(l[0], c) + 1e-9, line = atan2(l[0], c), plane = atan2(l[1], w);
+    const double w = l[2] - f->x[SWEEP], h = length_of(l[1], w) + 1e-9, c = h + f->x[SWEEP];
+    const double r = length_of(l[0], c) + 1e-9, line = atan2(l[0], c), plane = atan2(l[1], w);
     const double d[6] = {(f->x[LOW_LINE] - line) * r,
                          (line - f->x[HIGH_LINE]) * r,
                          (-f->x[PLANE] - plane) * h,
@@ -161,12 +166,12 @@ static double cost_of(const fan *f, const border *b, uint32_t step, double scale
     return sum / n;
 }
 
-/* Solves a symmetric positive system in place by elimination: b becomes the solution. */
+/* Solves a symmetric positive system, of which the upper half is given, in place: b becomes the solution. */
 static void solve(double a[UNKNOWNS][UNKNOWNS], double b[UNKNOWNS]) {
     for (int k = 0; k < UNKNOWNS; k++)
         for (int i = k + 1; i < UNKNOWNS; i++) {
-            const double factor = a[i][k] / a[k][k];
-            for (int j = k; j < UNKNOWNS; j++) a[i][j] -= factor * a[k][j];
+            const double factor = a[k][i] / a[k][k];
+            for (int j = i; j < UNKNOWNS; j++) a[i][j] -= factor * a[k][j];
             b[i] -= factor * b[k];
         }
     for (int k = UNKNOWNS - 1; k >= 0; k--) {
@@ -206,8 +211,9 @@ static void improve(fan *f, const border *b, uint32_t every, int rounds, double 
             const double e = beyond(f, b->points[i], &surface, slope);
             const double root = scale * scale / (e * e + scale * scale), weight = root * root;
             for (int k = 0; k < UNKNOWNS; k++) {
+                if (slope[k] == 0.0) continue; /* each surface has a few unknowns only */
                 right[k] -= weight * slope[k] * e;
-                for (int m = 0; m < UNKNOWNS; m++) normal[k][m] += weight * slope[k] * slope[m];
+                for (int m = k; m < UNKNOWNS; m++) normal[k][m] += weight * slope[k] * slope[m];
             }
         }
         bool better = false;
@@ -258,7 +264,7 @@ static void begin(fan *f, const border *b, uint32_t every, const double axes[9],
     for (uint32_t i = 0, at = 0; i < b->count; i += every, at++) {
         local_place(f, b->points[i], l);
         const double w = l[2] - f->x[SWEEP];
-        across[0][at] = atan2(l[0], hypot(l[1], w) + f->x[SWEEP]);
+        across[0][at] = atan2(l[0], length_of(l[1], w) + f->x[SWEEP]);
         across[1][at] = atan2(l[1], w);
     }
     f->x[LOW_LINE] = quantile(across[0], n, 0.08);
