@@ -42,10 +42,11 @@ host_sim/scene | host_sim/base host_sim/volume . | libc json
 host_sim/render | host_sim/base host_sim/volume kernels . | libc opencl
 host_sim/render/cl | . |
 host_sim/guarded | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
-host_sim/windows | abi host_sim/base host_sim/plugin host_sim/guarded . | libc windows
+host_sim/windows | abi host_sim/base host_sim/picture host_sim/plugin host_sim/guard host_sim/guarded . | libc windows
 host_sim/loop | abi MACHINE . | libc opencl
 host_sim/seen | abi MACHINE host_sim/loop . | libc opencl
 host_sim/result | abi MACHINE host_sim/loop . | libc opencl
+tools/machine/windows | host_sim/base tools/machine/console lab/report . | libc
 tools/machine/show | abi MACHINE host_sim/picture host_sim/loop . | libc opencl
 tools/machine/commands | abi HOST tools/machine/show . | libc opencl json
 lab/page | host_sim/base host_sim/picture . | libc

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# windows.sh BUILD_FOLDER OUT_FOLDER: the SDK for 64-bit Windows, as a vendor builds it, and what it does there, under wine, on this
+# windows.sh BUILD_FOLDER OUT_FOLDER: SDK and host_sim for 64-bit Windows, as a vendor builds them, and what they do there, under wine, on this
 # machine's OpenCL: the hosts of the examples print with the plugin, and with plugins made of the template and in C++, what they print
 # on Linux. BUILD_FOLDER is a build of this machine.
 set -eu -o pipefail
@@ -19,6 +19,7 @@ loader=$(ldconfig -p | awk '$1 == "libOpenCL.so.1" { print $NF; exit }')
     printf 'LIBRARY OpenCL.dll\nEXPORTS\n'
     nm -D --defined-only "$loader" | awk '$3 ~ /^cl[A-Z]/ { sub(/@.*/, "", $3); print $3 }' | sort -u
 } > "$root/OpenCL.def"
+scripts/windows_libraries.sh "$root"
 x86_64-w64-mingw32-dlltool -d "$root/OpenCL.def" -l "$root/lib/libOpenCL.a"
 
 cross() { # cross SOURCE FOLDER ARGUMENT...: configures and builds; CMake's own output only if it fails
@@ -112,3 +113,57 @@ for path in CON nul.svr "$record:stream" "$out" "$out/$long.svr" 'C:\missing.svr
     [ $code = 3 ] || { cat "$out/there.txt" >&2; echo "windows: $path: exit code $code, expected 3" >&2; exit 1; }
 done
 echo "windows: devices, streams and long names are refused"
+
+# host_sim: what it makes of scenes and files, in a folder whose name is not ASCII, is what it makes on Linux, bit for bit.
+machine=$out/plugin/host_sim.exe
+mkdir -p "$out/plugin/share/smartvis" "$out/here"
+cp -r data/scenes "$out/plugin/share/smartvis"
+both() { # both COMMAND ARGUMENT...: of host_sim, here and there
+    (cd "$out/here" && "$build/host_sim" "$@") > "$out/here.txt" 2> "$out/here.log" || { cat "$out/here.log" >&2; exit 1; }
+    (cd "$out/fötus" && timeout 300 wine "$machine" "$@") > "$out/there.txt" 2> "$out/there.log" ||
+        { cat "$out/there.log" >&2; echo "windows: host_sim $*: failed" >&2; exit 1; }
+}
+equal() { # equal FOLDER NAME...: files of both
+    local name
+    for name in "${@:2}"; do cmp "$out/here/$1/$name" "$out/fötus/$1/$name"; done
+}
+for method in mean minimum spline wall; do
+    both run --scene D01 --size 96 --picture 96 --frames 3 --set method=$method --write all --out $method
+    equal $method {clipped,depthmap,mask,status}.mha surface.ply {full,result}.png
+done
+equal wall confidence.mha
+both scenes D02 --size 96 --export --out scene
+equal scene D02_{full,truth,label}.mha
+for command in "info scene/D02_full.mha" "measure --case D01 --size 96 wall/depthmap.mha"; do
+    both $command
+    diff "$out/here.txt" "$out/there.txt"
+done
+both report --case D01 --size 64 --lowres 64 --coarse --frames 0 --out report
+equal report best.csv common.csv plain.csv space_D01.csv
+grep -q '</html>' "$out/fötus/report/index.html"
+echo "windows: host_sim run, scenes, info, measure and report: as on Linux"
+# A header names a file in its folder, whatever Windows reads otherwise; and such paths are no volumes.
+mkdir -p "$out/deep"
+head -c 64 /dev/zero | tee "$out/out.raw" > "$out/deep/in.raw"
+while read -r name; do
+    printf 'ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementDataFile = %s\n' "$name" > "$out/deep/of.mhd"
+    code=0
+    timeout 60 wine "$machine" info "$out/deep/of.mhd" > "$out/there.txt" 2>&1 || code=$?
+    [ $code = "$([ "$name" = in.raw ] && echo 0 || echo 3)" ] || { cat "$out/there.txt" >&2; echo "windows: ElementDataFile $name: exit code $code" >&2; exit 1; }
+done << 'END_NAMES'
+in.raw
+..\out.raw
+..\deep\..\out.raw
+C:\windows\win.ini
+z:out.raw
+\out.raw
+in.raw:stream
+NUL
+CON
+END_NAMES
+for path in CON nul.mha "$out/deep" "$out/$long.mha" 'C:\missing.mha' '\\.\pipe\none'; do
+    code=0
+    timeout 60 wine "$machine" info "$path" > "$out/there.txt" 2>&1 || code=$?
+    [ $code = 3 ] || { cat "$out/there.txt" >&2; echo "windows: info $path: exit code $code, expected 3" >&2; exit 1; }
+done
+echo "windows: host_sim refuses devices, streams, and files outside of a header's folder"

@@ -4,25 +4,16 @@
 #include "base/system.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The kernel's name of what was opened is compared, so nobody can change a link in between. */
 static bool is_below(int descriptor, const char *header) {
-    char link[64], file[4096];
-    (void)snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
-    const ssize_t bytes = readlink(link, file, sizeof file - 1);
+    char folder[SYS_PATH];
     const char *slash = strrchr(header, '/');
-    char *named = slash ? strndup(header, (size_t)(slash - header) + 1) : strdup(".");
-    char *folder = named ? realpath(named, NULL) : NULL;
-    const size_t length = folder && folder[1] != '\0' ? strlen(folder) : 0; /* "/" holds everything */
-    file[bytes > 0 ? bytes : 0] = '\0';
-    const bool below = folder && strncmp(file, folder, length) == 0 && file[length] == '/';
-    free(folder);
-    free(named);
-    return below;
+    const int length = slash ? snprintf(folder, sizeof folder, "%.*s", (int)(slash - header) + 1, header)
+                             : snprintf(folder, sizeof folder, ".");
+    return length < SYS_PATH && sys_is_below(descriptor, folder);
 }
 
 FILE *hs_input_open_below(const char *header, const char *path, const char *context, uint64_t *bytes,
@@ -50,8 +41,7 @@ FILE *hs_input_open(const char *path, const char *context, uint64_t *bytes, hs_e
 
 const char *hs_input_read_at(FILE *file, uint64_t *at, void *out, size_t bytes) {
     for (uint8_t *to = out; bytes > 0;) {
-        const ssize_t got = pread(fileno(file), to, bytes, (off_t)*at);
-        if (got < 0 && errno == EINTR) continue;
+        const ptrdiff_t got = sys_read_at(fileno(file), to, bytes, *at);
         if (got <= 0) return got < 0 ? strerror(errno) : "it became shorter";
         to += got;
         *at += (uint64_t)got;

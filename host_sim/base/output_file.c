@@ -1,44 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/output_file.h"
 
+#include "base/paths.h"
+#include "base/system.h"
+
 #include <errno.h>
-#include <fcntl.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-/* Temporary names that are in use, for the handler below. Of more at once the rest would stay behind. */
+/* Temporary names that are in use, for what ends the program. Of more at once the rest would stay behind. */
 #define MAX_PENDING 32
 static _Atomic(const char *) pending[MAX_PENDING];
 
-/* Removes what is half written, then lets the signal do what it does. Calls what a handler may call only. */
-static void clean_up(int number) {
+/* Removes what is half written. */
+static void clean_up(void) {
     for (int i = 0; i < MAX_PENDING; i++) {
         const char *name = atomic_load(&pending[i]);
-        if (name) (void)unlink(name);
-    }
-    (void)signal(number, SIG_DFL);
-    (void)raise(number);
-}
-
-/* Signals that end the program, unless somebody else wants them or they are ignored (nohup). */
-static void watch_signals(void) {
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    static atomic_bool watching;
-    if (atomic_exchange(&watching, true)) return;
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        struct sigaction now;
-        const struct sigaction ours = {.sa_handler = clean_up};
-        if (sigaction(numbers[i], NULL, &now) == 0 && now.sa_handler == SIG_DFL)
-            (void)sigaction(numbers[i], &ours, NULL);
+        if (name) (void)sys_remove(name);
     }
 }
 
 static void remember(const char *name) {
-    watch_signals();
+    static atomic_bool watching;
+    if (!atomic_exchange(&watching, true)) sys_when_ended(clean_up);
     for (int i = 0; i < MAX_PENDING; i++) {
         const char *nobody = NULL;
         if (atomic_compare_exchange_strong(&pending[i], &nobody, name)) return;
@@ -52,27 +38,24 @@ static void forget(const char *name) {
     }
 }
 
-/* Opens a name that no file has yet. open instead of mkstemp, so that the file gets the user's umask. */
 static int create_temporary(hs_output_file *output, const char *path) {
     const size_t bytes = strlen(path) + 16;
+    char *stem = malloc(bytes);
     output->temporary = malloc(bytes);
-    if (!output->temporary) {
-        errno = ENOMEM;
-        return -1;
+    int descriptor = -1;
+    errno = ENOMEM;
+    if (stem && output->temporary) {
+        (void)snprintf(stem, bytes, "%s.tmp", path);
+        descriptor = hs_path_first(stem, "", output->temporary, bytes);
     }
-    for (int attempt = 0; attempt < 1000; attempt++) {
-        (void)snprintf(output->temporary, bytes, "%s.tmp%d", path, attempt);
-        const int descriptor = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor >= 0) remember(output->temporary);
-        if (descriptor >= 0 || errno != EEXIST) return descriptor;
-    }
-    return -1;
+    if (descriptor >= 0) remember(output->temporary);
+    free(stem);
+    return descriptor;
 }
 
 bool hs_output_open(hs_output_file *output, const char *path, hs_error *err) {
     memset(output, 0, sizeof *output);
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+    if (sys_is_there(path) && !sys_is_file(path))
         return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written: exists and is not a regular file", path);
     const int descriptor = create_temporary(output, path);
     if (descriptor < 0) {
@@ -103,7 +86,7 @@ bool hs_output_commit(hs_output_file *output, hs_error *err) {
     bool ok = ferror(output->file) == 0;
     ok = fclose(output->file) == 0 && ok;
     output->file = NULL;
-    ok = ok && rename(output->temporary, output->path) == 0;
+    ok = ok && sys_replace(output->temporary, output->path);
     if (!ok) hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be written: %s", output->path, strerror(errno));
     if (ok) {
         forget(output->temporary);
@@ -117,7 +100,7 @@ bool hs_output_commit(hs_output_file *output, hs_error *err) {
 void hs_output_discard(hs_output_file *output) {
     if (output->file) (void)fclose(output->file);
     if (output->temporary) {
-        (void)unlink(output->temporary);
+        (void)sys_remove(output->temporary);
         forget(output->temporary);
     }
     free(output->temporary);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/paths.h"
 
+#include "base/system.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* mkdir -p: every prefix that ends before a slash, then the whole path. */
@@ -20,20 +20,31 @@ static bool make_folders(const char *path, hs_error *err) {
         if (path[i] != '/' && path[i] != '\0') continue;
         memcpy(prefix, path, i);
         prefix[i] = '\0';
-        if (mkdir(prefix, 0777) != 0 && errno != EEXIST)
+        if (!sys_make_folder(prefix))
             return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot make the folder: %s", prefix, strerror(errno));
     }
     return true;
 }
 
+int hs_path_first(const char *stem, const char *ending, char *out, size_t bytes) {
+    int file = -1;
+    for (unsigned i = 0; file < 0 && i < 1000; i++) {
+        const int length = snprintf(out, bytes, "%s%u%s", stem, i, ending);
+        errno = ENAMETOOLONG;
+        if (length < 0 || (size_t)length >= bytes) break;
+        file = sys_open(out, SYS_FIRST);
+        if (file < 0 && errno != EEXIST) break;
+    }
+    return file;
+}
+
 bool hs_path_make_folder(const char *path, hs_error *err) {
-    char probe[PATH_MAX];
-    if (!make_folders(path, err) || !hs_path_join(path, ".host_sim_XXXXXX", probe, sizeof probe, err))
-        return false;
-    const int file = mkstemp(probe);
+    char stem[PATH_MAX], probe[PATH_MAX];
+    if (!make_folders(path, err) || !hs_path_join(path, ".host_sim_", stem, sizeof stem, err)) return false;
+    const int file = hs_path_first(stem, "", probe, sizeof probe);
     if (file < 0) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write there: %s", path, strerror(errno));
-    close(file);
-    unlink(probe);
+    (void)close(file);
+    (void)sys_remove(probe);
     return true;
 }
 
@@ -45,11 +56,10 @@ bool hs_path_join(const char *folder, const char *name, char *out, size_t bytes,
 }
 
 int hs_path_temporary(const char *stem, const char *ending, char *out, size_t bytes, hs_error *err) {
-    const char *const folder = getenv("TMPDIR");
-    char name[NAME_MAX];
-    (void)snprintf(name, sizeof name, "%s_XXXXXX%s", stem, ending);
-    if (!hs_path_join(folder ? folder : "/tmp", name, out, bytes, err)) return -1;
-    const int file = mkstemps(out, (int)strlen(ending));
+    char folder[PATH_MAX], whole[PATH_MAX];
+    const bool set = sys_environment("TMPDIR", folder, sizeof folder);
+    if (!hs_path_join(set ? folder : "/tmp", stem, whole, sizeof whole, err)) return -1;
+    const int file = hs_path_first(whole, ending, out, bytes);
     if (file < 0) (void)hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be made: %s", out, strerror(errno));
     return file;
 }

@@ -6,6 +6,8 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
 
 /* Bytes of the longest path, with its end. */
 #define SYS_PATH 4096
@@ -17,13 +19,33 @@ typedef enum {
     SYS_READ,
     SYS_NEW,  /* an empty one, to be written and read, that only its owner may read */
     SYS_MORE, /* one that is there, to be written and read */
+    SYS_FIRST /* one that is not there yet (EEXIST), to be written, for whom the user's settings say */
 } sys_way;
+
+/* What parts the folders of a path: "/". */
+extern const char sys_separators[];
 
 /* Opens a regular file: a descriptor that no child inherits, for read, write, lseek, ftruncate and close, in
  * binary; -1. EINVAL: it is no regular file, such as a pipe, which would be waited for. */
 int sys_open(const char *path, sys_way way);
 
 bool sys_is_file(const char *path);
+
+bool sys_is_folder(const char *path);
+bool sys_is_there(const char *path);
+bool sys_is_readable(const char *path);
+
+/* True for a folder that is there, too. */
+bool sys_make_folder(const char *path);
+
+/* Removes a file, also an open one. */
+bool sys_remove(const char *path);
+
+/* True if what was opened lies in the folder or below, whatever links are on the way. */
+bool sys_is_below(int file, const char *folder);
+
+/* pread: any number of threads at a time. */
+ptrdiff_t sys_read_at(int file, void *out, size_t bytes, uint64_t at);
 
 /* True if both are there and are one file. */
 bool sys_same_file(const char *a, const char *b);
@@ -42,7 +64,8 @@ extern const char sys_list_separator[];
 /* The program's own path; false where it cannot be told. */
 bool sys_program(char *path, size_t bytes);
 
-/* argv as UTF-8, with its count, as long as the program runs. */
+/* argv as UTF-8, with '/' in paths, with its count, as long as the program runs. Once, at the program's
+ * start: its output is binary from then on. */
 char **sys_arguments(int *count, char **argv);
 
 /* The folder of the program or library that `inside` lies in, with a '/' at its end; "" where it cannot be
@@ -52,5 +75,23 @@ void sys_own_folder(const void *inside, char *folder, size_t bytes);
 /* Gives back, while this library is unloaded, one that it holds (smartvis/open.h), where the system allows
  * that. */
 void sys_close_when_unloaded(void *library);
+
+/* A variable's value as UTF-8; false, and "", if it is not set or longer. */
+bool sys_environment(const char *name, char *value, size_t bytes);
+
+/* Before Ctrl-C or the system's request ends the program, unless it is ignored or somebody else wants it,
+ * `clean_up` removes files: on any thread, amid anything. */
+void sys_when_ended(void (*clean_up)(void));
+
+unsigned sys_processors(void);
+
+/* NULL: no memory. */
+void *sys_aligned(size_t alignment, size_t bytes);
+void sys_aligned_free(void *memory);
+
+/* open_memstream, and its fclose: the same two pointers for both. The text ends with a 0 and is the caller's.
+ * NULL, false: no memory. */
+FILE *sys_memory_open(char **text, size_t *bytes);
+bool sys_memory_close(FILE *stream, char **text, size_t *bytes);
 
 #endif

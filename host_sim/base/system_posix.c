@@ -4,19 +4,22 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char sys_library_ending[] = ".so", sys_list_separator[] = ":";
+const char sys_library_ending[] = ".so", sys_list_separator[] = ":", sys_separators[] = "/";
 
 int sys_open(const char *path, sys_way way) {
-    static const int flags[] = {
-        [SYS_READ] = O_RDONLY, [SYS_NEW] = O_RDWR | O_CREAT | O_TRUNC, [SYS_MORE] = O_RDWR};
+    static const int flags[] = {[SYS_READ] = O_RDONLY,
+                                [SYS_NEW] = O_RDWR | O_CREAT | O_TRUNC,
+                                [SYS_MORE] = O_RDWR,
+                                [SYS_FIRST] = O_WRONLY | O_CREAT | O_EXCL};
     struct stat found;
-    const int file = open(path, flags[way] | O_CLOEXEC | O_NONBLOCK, 0600);
+    const int file = open(path, flags[way] | O_CLOEXEC | O_NONBLOCK, way == SYS_FIRST ? 0666 : 0600);
     if (file < 0 || (fstat(file, &found) == 0 && S_ISREG(found.st_mode))) return file;
     (void)close(file);
     errno = EINVAL;
@@ -26,6 +29,46 @@ int sys_open(const char *path, sys_way way) {
 bool sys_is_file(const char *path) {
     struct stat found;
     return stat(path, &found) == 0 && S_ISREG(found.st_mode);
+}
+
+bool sys_is_folder(const char *path) {
+    struct stat found;
+    return stat(path, &found) == 0 && S_ISDIR(found.st_mode);
+}
+
+bool sys_is_there(const char *path) {
+    return access(path, F_OK) == 0;
+}
+
+bool sys_is_readable(const char *path) {
+    return access(path, R_OK) == 0;
+}
+
+bool sys_make_folder(const char *path) {
+    return mkdir(path, 0777) == 0 || errno == EEXIST;
+}
+
+bool sys_remove(const char *path) {
+    return unlink(path) == 0;
+}
+
+/* The kernel's name of what was opened is compared, so nobody can change a link in between. */
+bool sys_is_below(int file, const char *folder) {
+    char link[64], name[SYS_PATH];
+    (void)snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    const ssize_t bytes = readlink(link, name, sizeof name - 1);
+    char *whole = realpath(folder, NULL);
+    const size_t length = whole && whole[1] != '\0' ? strlen(whole) : 0; /* "/" holds everything */
+    name[bytes > 0 ? bytes : 0] = '\0';
+    const bool below = whole && strncmp(name, whole, length) == 0 && name[length] == '/';
+    free(whole);
+    return below;
+}
+
+ptrdiff_t sys_read_at(int file, void *out, size_t bytes, uint64_t at) {
+    ssize_t got;
+    while ((got = pread(file, out, bytes, (off_t)at)) < 0 && errno == EINTR) continue;
+    return got;
 }
 
 bool sys_same_file(const char *a, const char *b) {
@@ -66,4 +109,56 @@ void sys_own_folder(const void *inside, char *folder, size_t bytes) {
 
 void sys_close_when_unloaded(void *library) {
     if (library) (void)dlclose(library);
+}
+
+bool sys_environment(const char *name, char *value, size_t bytes) {
+    const char *set = getenv(name);
+    const int length = snprintf(value, bytes, "%s", set ? set : "");
+    if (set && length >= 0 && (size_t)length < bytes) return true;
+    value[0] = '\0';
+    return false;
+}
+
+static void (*last_work)(void);
+
+/* Calls what a handler may call only, then lets the signal do what it does. */
+static void end(int number) {
+    last_work();
+    (void)signal(number, SIG_DFL);
+    (void)raise(number);
+}
+
+void sys_when_ended(void (*clean_up)(void)) {
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    last_work = clean_up;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        struct sigaction now;
+        const struct sigaction ours = {.sa_handler = end};
+        if (sigaction(numbers[i], NULL, &now) == 0 && now.sa_handler == SIG_DFL)
+            (void)sigaction(numbers[i], &ours, NULL);
+    }
+}
+
+unsigned sys_processors(void) {
+    const long online = sysconf(_SC_NPROCESSORS_ONLN);
+    return online > 0 ? (unsigned)online : 1u;
+}
+
+void *sys_aligned(size_t alignment, size_t bytes) {
+    return aligned_alloc(alignment, bytes);
+}
+
+void sys_aligned_free(void *memory) {
+    free(memory);
+}
+
+FILE *sys_memory_open(char **text, size_t *bytes) {
+    return open_memstream(text, bytes);
+}
+
+/* NOLINTNEXTLINE(readability-non-const-parameter): the other system writes there */
+bool sys_memory_close(FILE *stream, char **text, size_t *bytes) {
+    (void)text;
+    (void)bytes;
+    return fclose(stream) == 0;
 }

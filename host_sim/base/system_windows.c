@@ -15,29 +15,48 @@
 #include <sddl.h>
 #include <shellapi.h>
 
-const char sys_library_ending[] = ".dll", sys_list_separator[] = ";";
+const char sys_library_ending[] = ".dll", sys_list_separator[] = ";", sys_separators[] = "/\\";
 
-/* False: not UTF-8, or too long. */
+/* False: not UTF-8, or too long. What is longer than old programs may name becomes a whole path of the kind
+ * that has no such limit. */
 static bool widen(const char *path, wchar_t wide[SYS_PATH]) {
-    if (MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, SYS_PATH) > 0) return true;
-    errno = EILSEQ;
-    return false;
+    enum { OLD_MAX = 240, PREFIX = 4 };
+    wchar_t whole[SYS_PATH];
+    const int length = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, SYS_PATH);
+    errno = GetLastError() == ERROR_INSUFFICIENT_BUFFER ? ENAMETOOLONG : EILSEQ;
+    if (length <= OLD_MAX) return length > 0;
+    const DWORD full = GetFullPathNameW(wide, SYS_PATH - PREFIX, whole, NULL);
+    errno = ENAMETOOLONG;
+    if (full == 0 || full >= SYS_PATH - PREFIX) return false;
+    (void)_snwprintf(wide, SYS_PATH, L"%ls%ls", whole[1] == L':' ? L"\\\\?\\" : L"", whole);
+    return true;
 }
 
 static bool fail(void) {
     const DWORD error = GetLastError();
     errno = error == ERROR_FILE_NOT_FOUND || error == ERROR_PATH_NOT_FOUND ? ENOENT
+            : error == ERROR_FILE_EXISTS || error == ERROR_ALREADY_EXISTS  ? EEXIST
             : error == ERROR_DISK_FULL                                     ? ENOSPC
             : error == ERROR_INVALID_NAME                                  ? EINVAL
+            : error == ERROR_FILENAME_EXCED_RANGE                          ? ENAMETOOLONG
                                                                            : EACCES;
     return false;
 }
 
-/* What is no file on a disk, such as CON or a pipe, is not opened. */
+static bool has_attribute(const wchar_t *path, DWORD which) {
+    const DWORD found = GetFileAttributesW(path);
+    return found != INVALID_FILE_ATTRIBUTES && (found & which) != 0;
+}
+
+/* What is no file on a disk, such as a folder, CON or a pipe, is not opened. */
 static int open_file(const wchar_t *path, DWORD access, DWORD creation, SECURITY_ATTRIBUTES *owner) {
-    const HANDLE handle = CreateFileW(path, access, FILE_SHARE_READ | FILE_SHARE_WRITE, owner, creation,
-                                      FILE_ATTRIBUTE_NORMAL, NULL);
-    if (handle == INVALID_HANDLE_VALUE) return fail() - 1;
+    const HANDLE handle = CreateFileW(path, access, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE,
+                                      owner, creation, FILE_ATTRIBUTE_NORMAL, NULL);
+    if (handle == INVALID_HANDLE_VALUE) {
+        (void)fail();
+        if (errno == EACCES && has_attribute(path, FILE_ATTRIBUTE_DIRECTORY)) errno = EINVAL;
+        return -1;
+    }
     const int file = GetFileType(handle) == FILE_TYPE_DISK
                          ? _open_osfhandle((intptr_t)handle, O_BINARY | O_NOINHERIT)
                          : -1;
@@ -53,6 +72,7 @@ int sys_open(const char *path, sys_way way) {
     if (!widen(path, wide)) return -1;
     if (way == SYS_READ) return open_file(wide, GENERIC_READ, OPEN_EXISTING, NULL);
     if (way == SYS_MORE) return open_file(wide, GENERIC_READ | GENERIC_WRITE, OPEN_EXISTING, NULL);
+    if (way == SYS_FIRST) return open_file(wide, GENERIC_WRITE, CREATE_NEW, NULL);
     /* For the owner alone: nothing is inherited from the folder. */
     if (!ConvertStringSecurityDescriptorToSecurityDescriptorW(L"D:P(A;;FA;;;OW)", SDDL_REVISION_1,
                                                               &owner.lpSecurityDescriptor, NULL))
@@ -65,6 +85,58 @@ int sys_open(const char *path, sys_way way) {
 bool sys_is_file(const char *path) {
     const int file = sys_open(path, SYS_READ);
     return file >= 0 && _close(file) == 0;
+}
+
+bool sys_is_folder(const char *path) {
+    wchar_t wide[SYS_PATH];
+    return widen(path, wide) && has_attribute(wide, FILE_ATTRIBUTE_DIRECTORY);
+}
+
+bool sys_is_there(const char *path) {
+    wchar_t wide[SYS_PATH];
+    return widen(path, wide) && (has_attribute(wide, ~0u) || fail());
+}
+
+bool sys_is_readable(const char *path) {
+    const int file = sys_open(path, SYS_READ);
+    return file >= 0 ? _close(file) == 0 : sys_is_folder(path);
+}
+
+/* "//server" and "C:" are there, or what is made below says so. */
+bool sys_make_folder(const char *path) {
+    wchar_t wide[SYS_PATH];
+    const bool server = path[0] == '/' && (path[1] == '\0' || (path[1] == '/' && !strchr(path + 2, '/')));
+    const bool drive = path[0] != '\0' && path[1] == ':' && path[2] == '\0';
+    if (server || drive) return true;
+    return widen(path, wide) && (CreateDirectoryW(wide, NULL) || (fail(), errno == EEXIST));
+}
+
+bool sys_remove(const char *path) {
+    wchar_t wide[SYS_PATH];
+    return widen(path, wide) && (DeleteFileW(wide) || fail());
+}
+
+bool sys_is_below(int file, const char *folder) {
+    wchar_t wide[SYS_PATH], whole[SYS_PATH], name[SYS_PATH];
+    const HANDLE handle = widen(folder, wide)
+                              ? CreateFileW(wide, 0, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE,
+                                            NULL, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, NULL)
+                              : INVALID_HANDLE_VALUE;
+    if (handle == INVALID_HANDLE_VALUE) return false;
+    DWORD length = GetFinalPathNameByHandleW(handle, whole, SYS_PATH, 0);
+    (void)CloseHandle(handle);
+    if (length == 0 || length >= SYS_PATH) return false;
+    const DWORD named = GetFinalPathNameByHandleW((HANDLE)_get_osfhandle(file), name, SYS_PATH, 0);
+    length -= whole[length - 1] == L'\\'; /* of a drive */
+    return named > length && named < SYS_PATH && wcsncmp(name, whole, length) == 0 && name[length] == L'\\';
+}
+
+ptrdiff_t sys_read_at(int file, void *out, size_t bytes, uint64_t at) {
+    DWORD got = 0;
+    OVERLAPPED place = {.Offset = (DWORD)at, .OffsetHigh = (DWORD)(at >> 32)};
+    const DWORD most = bytes < 1u << 30 ? (DWORD)bytes : 1u << 30;
+    if (ReadFile((HANDLE)_get_osfhandle(file), out, most, &got, &place)) return (ptrdiff_t)got;
+    return GetLastError() == ERROR_HANDLE_EOF ? 0 : (ptrdiff_t)fail() - 1;
 }
 
 static bool file_facts(const char *path, BY_HANDLE_FILE_INFORMATION *facts) {
@@ -131,7 +203,15 @@ char **sys_arguments(int *count, char **argv) {
     wchar_t **wide = CommandLineToArgvW(GetCommandLineW(), count);
     char **narrowed = wide ? calloc((size_t)*count + 1, sizeof *narrowed) : NULL;
     bool whole = narrowed != NULL;
-    for (int i = 0; whole && i < *count; i++) whole = (narrowed[i] = narrow(wide[i])) != NULL;
+    for (int i = 0; whole && i < *count; i++) whole = (narrowed[i] = with_slashes(wide[i])) != NULL;
+    (void)SetConsoleOutputCP(CP_UTF8);
+    for (int stream = 1; stream <= 2; stream++) {
+        const HANDLE console = (HANDLE)_get_osfhandle(stream);
+        DWORD mode;
+        (void)_setmode(stream, O_BINARY);
+        if (GetConsoleMode(console, &mode))
+            (void)SetConsoleMode(console, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING);
+    }
     (void)LocalFree(wide);
     return whole ? narrowed : argv;
 }
@@ -148,4 +228,70 @@ void sys_own_folder(const void *inside, char *folder, size_t bytes) {
 /* Not while the loader is at work: FreeLibrary is forbidden there. */
 void sys_close_when_unloaded(void *library) {
     (void)library;
+}
+
+bool sys_environment(const char *name, char *value, size_t bytes) {
+    wchar_t wide[SYS_PATH];
+    const wchar_t *set = widen(name, wide) ? _wgetenv(wide) : NULL;
+    char *found = set ? narrow(set) : NULL;
+    const bool fits = found && strlen(found) < bytes;
+    (void)snprintf(value, bytes, "%s", fits ? found : "");
+    free(found);
+    return fits;
+}
+
+static void (*last_work)(void);
+
+static BOOL WINAPI end(DWORD event) {
+    (void)event;
+    last_work();
+    return FALSE; /* and the program is ended as it would be */
+}
+
+void sys_when_ended(void (*clean_up)(void)) {
+    last_work = clean_up;
+    (void)SetConsoleCtrlHandler(end, TRUE);
+}
+
+unsigned sys_processors(void) {
+    SYSTEM_INFO info;
+    GetSystemInfo(&info);
+    return info.dwNumberOfProcessors;
+}
+
+void *sys_aligned(size_t alignment, size_t bytes) {
+    return _aligned_malloc(bytes, alignment);
+}
+
+void sys_aligned_free(void *memory) {
+    _aligned_free(memory);
+}
+
+/* A file that is gone when it is closed. */
+FILE *sys_memory_open(char **text, size_t *bytes) {
+    wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 1];
+    *text = NULL;
+    *bytes = 0;
+    if (!GetTempPathW(MAX_PATH, folder) || !GetTempFileNameW(folder, L"sv", 0, name)) return NULL;
+    const HANDLE handle = CreateFileW(name, GENERIC_READ | GENERIC_WRITE, 0, NULL, CREATE_ALWAYS,
+                                      FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
+    const int file = handle != INVALID_HANDLE_VALUE ? _open_osfhandle((intptr_t)handle, O_BINARY) : -1;
+    return file >= 0 ? _fdopen(file, "w+b") : NULL;
+}
+
+bool sys_memory_close(FILE *stream, char **text, size_t *bytes) {
+    const bool written = fflush(stream) == 0 && ferror(stream) == 0;
+    const long long length = _filelengthi64(_fileno(stream));
+    char *whole = written && length >= 0 ? malloc((size_t)length + 1) : NULL;
+    rewind(stream);
+    const bool ok = whole && fread(whole, 1, (size_t)length, stream) == (size_t)length;
+    (void)fclose(stream);
+    if (!ok) {
+        free(whole);
+        return false;
+    }
+    whole[length] = '\0';
+    *text = whole;
+    *bytes = (size_t)length;
+    return true;
 }

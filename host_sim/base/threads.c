@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/threads.h"
 
+#include "base/system.h"
+
 #include <pthread.h>
 #include <stdatomic.h>
-#include <unistd.h>
 
 typedef struct {
     atomic_uint next;
@@ -61,7 +62,6 @@ bool hs_parallel_try(uint32_t threads, uint32_t blocks, hs_block_try_fn fn, void
 }
 
 uint32_t hs_thread_count(uint32_t wanted) {
-    long online = sysconf(_SC_NPROCESSORS_ONLN);
-    uint32_t count = wanted ? wanted : online > 0 ? (uint32_t)online : 1u;
+    const uint32_t count = wanted ? wanted : sys_processors();
     return count < HS_MAX_THREADS ? count : HS_MAX_THREADS;
 }

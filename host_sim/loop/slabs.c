@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/slabs.h"
 
+#include "base/system.h"
 #include "render/scan_convert.h"
 
 #include <stdlib.h>
@@ -98,7 +99,7 @@ static bool create_memory(hs_slabs *slabs, hs_error *err) {
                        slabs->memory_bytes, slabs->in_place ? slabs->memory : NULL, &code);
     if (!hs_cl_check(code, "clCreateBuffer (slabs)", err)) return false;
     if (slabs->carrier == SV_CARRIER_HOST && !slabs->borrowed) {
-        slabs->memory = aligned_alloc(ALIGN, slabs->memory_bytes);
+        slabs->memory = sys_aligned(ALIGN, slabs->memory_bytes);
         if (!slabs->memory)
             return hs_fail(err, HS_ERR_MEMORY, "slabs: no memory for %zu bytes", slabs->memory_bytes);
         memset(slabs->memory, 0, slabs->memory_bytes); /* touches the pages now, not in the first frame */
@@ -152,7 +153,7 @@ void hs_slabs_destroy(hs_slabs *slabs) {
     if (slabs->buffer) clReleaseMemObject(slabs->buffer);
     hs_scanned_rays_destroy(&slabs->rays);
     free(slabs->ranges);
-    if (!slabs->borrowed) free(slabs->memory);
+    if (!slabs->borrowed) sys_aligned_free(slabs->memory);
     hs_scan_converter_destroy(slabs->converter);
     free(slabs);
 }

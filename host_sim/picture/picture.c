@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "picture/picture.h"
 
+#include "base/input_file.h"
 #include "base/output_file.h"
 
 #include <inttypes.h>
@@ -37,18 +38,18 @@ static bool write_png(const hs_picture *picture, const uint8_t *rgb, uint8_t **d
                        .width = picture->width,
                        .height = picture->height,
                        .format = PNG_FORMAT_RGB};
-    char *memory = NULL;
-    FILE *stream = open_memstream(&memory, bytes);
-    if (!stream) return hs_fail(err, HS_ERR_MEMORY, "PNG: no memory");
-    const bool written = png_image_write_to_stdio(&image, stream, 0, rgb, 0, NULL) != 0;
-    const bool closed = fclose(stream) == 0;
-    if (written && closed) {
-        *data = (uint8_t *)memory;
+    png_alloc_size_t room = PNG_IMAGE_PNG_SIZE_MAX(image);
+    *data = malloc(room);
+    if (!*data) return hs_fail(err, HS_ERR_MEMORY, "PNG: no memory");
+    if (png_image_write_to_memory(&image, *data, &room, 0, rgb, 0, NULL)) {
+        uint8_t *fitting = realloc(*data, room);
+        *data = fitting ? fitting : *data;
+        *bytes = room;
         return true;
     }
-    free(memory);
-    *bytes = 0;
-    return hs_fail(err, HS_ERR_FAILED, "PNG: %s", written ? "no memory" : image.message);
+    free(*data);
+    *data = NULL;
+    return hs_fail(err, HS_ERR_FAILED, "PNG: %s", image.message);
 }
 
 bool hs_picture_png(const hs_picture *picture, uint8_t **data, size_t *bytes, hs_error *err) {
@@ -78,26 +79,32 @@ bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err)
     return ok;
 }
 
-bool hs_picture_load(hs_picture *out, const char *path, hs_error *err) {
-    png_image image = {.version = PNG_IMAGE_VERSION};
-    *out = (hs_picture){0};
-    if (!png_image_begin_read_from_file(&image, path))
-        return hs_fail(err, HS_ERR_INPUT, "%s: cannot read the picture: %s", path, image.message);
-    image.format = PNG_FORMAT_RGB;
-    if (!hs_picture_init(out, image.width, image.height, 0, err)) {
-        png_image_free(&image);
-        return false;
-    }
-    const size_t count = (size_t)image.width * image.height;
+static bool read_png(hs_picture *out, FILE *file, png_image *image, const char *path, hs_error *err) {
+    if (!png_image_begin_read_from_stdio(image, file))
+        return hs_fail(err, HS_ERR_INPUT, "%s: cannot read the picture: %s", path, image->message);
+    image->format = PNG_FORMAT_RGB;
+    if (!hs_picture_init(out, image->width, image->height, 0, err)) return false;
+    const size_t count = (size_t)image->width * image->height;
     uint8_t *rgb = malloc(count * 3);
     bool ok = rgb || hs_fail(err, HS_ERR_MEMORY, "%s: no memory for the picture", path);
-    if (ok && !png_image_finish_read(&image, NULL, rgb, 0, NULL))
-        ok = hs_fail(err, HS_ERR_INPUT, "%s: cannot read the picture: %s", path, image.message);
+    if (ok && !png_image_finish_read(image, NULL, rgb, 0, NULL))
+        ok = hs_fail(err, HS_ERR_INPUT, "%s: cannot read the picture: %s", path, image->message);
     for (size_t i = 0; ok && i < count; i++)
         out->pixels[i] = (uint32_t)rgb[3 * i] << 16 | (uint32_t)rgb[3 * i + 1] << 8 | rgb[3 * i + 2];
     free(rgb);
-    png_image_free(&image);
     if (!ok) hs_picture_free(out);
+    return ok;
+}
+
+bool hs_picture_load(hs_picture *out, const char *path, hs_error *err) {
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    uint64_t bytes;
+    *out = (hs_picture){0};
+    FILE *file = hs_input_open(path, path, &bytes, err);
+    if (!file) return false;
+    const bool ok = read_png(out, file, &image, path, err);
+    png_image_free(&image);
+    (void)fclose(file);
     return ok;
 }
 

@@ -4,7 +4,6 @@
 #include "base/text.h"
 #include "picture/picture.h"
 
-#include <fontconfig/fontconfig.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,57 +11,11 @@
 
 enum { TEXT_BYTES = 1024 };
 
-cairo_t *hs_draw_begin(hs_picture *picture) {
-    /* CAIRO_FORMAT_RGB24 is 0x00RRGGBB in the host's byte order, rows of width * 4
-     * bytes: the picture's own format. */
-    cairo_surface_t *surface = cairo_image_surface_create_for_data(
-        (unsigned char *)picture->pixels, CAIRO_FORMAT_RGB24, (int)picture->width, (int)picture->height,
-        (int)picture->width * 4);
-    cairo_t *cr = cairo_create(surface);
-    cairo_surface_destroy(surface); /* the context keeps it */
-    cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    /* Unhinted advances, so that a text's width goes with its size; gray edges, so that letters have no
-     * colour. */
-    cairo_font_options_t *options = cairo_font_options_create();
-    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
-    cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
-    cairo_set_font_options(cr, options);
-    cairo_font_options_destroy(options);
-    return cr;
-}
-
-bool hs_draw_end(cairo_t *cr, hs_error *err) {
-    cairo_surface_t *surface = cairo_get_target(cr);
-    cairo_surface_flush(surface);
-    /* The top byte is unused to cairo, and left at 0 or 255 as it happens; in a picture it is 0. */
-    uint32_t *pixels = (uint32_t *)(void *)cairo_image_surface_get_data(surface);
-    const size_t count =
-        (size_t)cairo_image_surface_get_width(surface) * (size_t)cairo_image_surface_get_height(surface);
-    for (size_t i = 0; pixels && i < count; i++) pixels[i] &= 0xffffff;
-    const cairo_status_t status = cairo_status(cr);
-    cairo_destroy(cr);
-    if (status == CAIRO_STATUS_SUCCESS) return true;
-    return hs_fail(err, status == CAIRO_STATUS_NO_MEMORY ? HS_ERR_MEMORY : HS_ERR_FAILED,
-                   "picture: cairo: %s", cairo_status_to_string(status));
-}
-
-/* The colour of what is drawn next. */
-static void set_colour(cairo_t *cr, uint32_t colour) {
-    cairo_set_source_rgb(cr, (colour >> 16 & 255) / 255.0, (colour >> 8 & 255) / 255.0,
-                         (colour & 255) / 255.0);
-}
-
-static double text_width(cairo_t *cr, const char *text) {
-    cairo_text_extents_t extents;
-    cairo_text_extents(cr, text, &extents);
-    return extents.x_advance;
-}
-
 /* Takes whole characters from the end until the text and an ellipsis fit. */
-static void cut_to_width(cairo_t *cr, char text[TEXT_BYTES], double max_width) {
+static void cut_to_width(hs_canvas *on, char text[TEXT_BYTES], double max_width) {
     static const char ellipsis[] = "\xe2\x80\xa6";
     size_t n = strlen(text);
-    while (n > 0 && text_width(cr, text) > max_width + 0.5) { /* half a pixel does not show */
+    while (n > 0 && hs_canvas_width(on, text) > max_width + 0.5) { /* half a pixel does not show */
         if (n >= 3 && memcmp(text + n - 3, ellipsis, 3) == 0) n -= 3;
         do {
             if (n > 0) n--;
@@ -73,20 +26,22 @@ static void cut_to_width(cairo_t *cr, char text[TEXT_BYTES], double max_width) {
     }
 }
 
-void hs_draw_text(cairo_t *cr, double x, double y, double size, uint32_t colour, hs_align align,
+void hs_draw_text(hs_canvas *on, double x, double y, double size, uint32_t colour, hs_align align,
                   double max_width, const char *text) {
     char clean[TEXT_BYTES];
-    (void)hs_text_escape(clean, sizeof clean, text, 0); /* cairo draws nothing after one invalid byte */
-    cairo_set_font_size(cr, size);
-    double width = text_width(cr, clean);
+    (void)hs_text_escape(clean, sizeof clean, text, 0); /* nothing is drawn after one invalid byte */
+    hs_canvas_size(on, size);
+    double width = hs_canvas_width(on, clean);
     if (max_width > 0.0 && width > max_width) {
-        cairo_set_font_size(cr, size * fmax(0.75, max_width / width));
-        cut_to_width(cr, clean, max_width);
-        width = text_width(cr, clean);
+        hs_canvas_size(on, size * fmax(0.75, max_width / width));
+        cut_to_width(on, clean, max_width);
+        width = hs_canvas_width(on, clean);
     }
-    set_colour(cr, colour);
-    cairo_move_to(cr, align == HS_ALIGN_LEFT ? x : align == HS_ALIGN_RIGHT ? x - width : x - width / 2, y);
-    cairo_show_text(cr, clean);
+    hs_canvas_text(on,
+                   align == HS_ALIGN_LEFT    ? x
+                   : align == HS_ALIGN_RIGHT ? x - width
+                                             : x - width / 2,
+                   y, colour, clean);
 }
 
 uint32_t hs_draw_line_count(const char *text) {
@@ -96,22 +51,16 @@ uint32_t hs_draw_line_count(const char *text) {
     return count;
 }
 
-void hs_draw_lines(cairo_t *cr, double x, double y, double step, double size, uint32_t colour,
+void hs_draw_lines(hs_canvas *on, double x, double y, double step, double size, uint32_t colour,
                    double max_width, const char *text) {
     while (text && *text) {
         const size_t n = strcspn(text, "\n");
         char line[TEXT_BYTES];
         (void)snprintf(line, sizeof line, "%.*s", (int)(n < TEXT_BYTES ? n : TEXT_BYTES - 1), text);
-        hs_draw_text(cr, x, y, size, colour, HS_ALIGN_LEFT, max_width, line);
+        hs_draw_text(on, x, y, size, colour, HS_ALIGN_LEFT, max_width, line);
         text += n + (text[n] == '\n');
         y += step;
     }
-}
-
-void hs_draw_box(cairo_t *cr, double x, double y, double width, double height, uint32_t colour) {
-    set_colour(cr, colour);
-    cairo_rectangle(cr, x, y, width, height);
-    cairo_fill(cr);
 }
 
 double hs_tick_step(double range, unsigned max_ticks) {
@@ -130,53 +79,48 @@ static void format_value(char out[32], double value, double step) {
 }
 
 /* An end of the bar: its number and word, in the text colour. */
-static void draw_bar_end(cairo_t *cr, const hs_colour_bar *bar, double y, double value, double step,
+static void draw_bar_end(hs_canvas *on, const hs_colour_bar *bar, double y, double value, double step,
                          const char *word) {
     char number[32], text[96];
     format_value(number, value, step / 10.0);
     (void)snprintf(text, sizeof text, word ? "%s (%s)" : "%s", number, word);
-    hs_draw_text(cr, bar->x + 42, y + 6, 18, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width - 42, text);
+    hs_draw_text(on, bar->x + 42, y + 6, 18, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width - 42, text);
 }
 
-void hs_draw_colour_bar(cairo_t *cr, const hs_colour_bar *bar) {
+void hs_draw_colour_bar(hs_canvas *on, const hs_colour_bar *bar) {
     enum { BAR_WIDTH = 26, TICK = 6, CLEARANCE = 22 };
     const int rows = (int)bar->height;
     for (int row = 0; row < rows; row++) {
         const double up = rows > 1 && bar->high > bar->low ? 1.0 - row / (rows - 1.0) : 1.0;
-        hs_draw_box(cr, bar->x, bar->y + row, BAR_WIDTH, 1,
+        hs_draw_box(on, bar->x, bar->y + row, BAR_WIDTH, 1,
                     bar->colour(bar->t_low + (1.0 - bar->t_low) * up));
     }
-    hs_draw_text(cr, bar->x, bar->y - 16, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width, bar->heading);
+    hs_draw_text(on, bar->x, bar->y - 16, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, bar->max_width, bar->heading);
     const double range = bar->high - bar->low;
     if (!(range > 0.0)) {
-        draw_bar_end(cr, bar, bar->y, bar->high, 1.0, NULL);
+        draw_bar_end(on, bar, bar->y, bar->high, 1.0, NULL);
         return;
     }
     const double step = hs_tick_step(range, 6);
-    draw_bar_end(cr, bar, bar->y, bar->high, step, bar->high_word);
-    draw_bar_end(cr, bar, bar->y + bar->height, bar->low, step, bar->low_word);
+    draw_bar_end(on, bar, bar->y, bar->high, step, bar->high_word);
+    draw_bar_end(on, bar, bar->y + bar->height, bar->low, step, bar->low_word);
     for (double i = ceil(bar->low / step); i * step <= bar->high; i += 1.0) {
         const double y = bar->y + bar->height * (bar->high - i * step) / range;
-        hs_draw_box(cr, bar->x + BAR_WIDTH, y - 0.5, TICK, 1, HS_COLOUR_FAINT_TEXT);
+        hs_draw_box(on, bar->x + BAR_WIDTH, y - 0.5, TICK, 1, HS_COLOUR_FAINT_TEXT);
         /* The numbers at the ends have their own place. */
         if (y - bar->y < CLEARANCE || bar->y + bar->height - y < CLEARANCE) continue;
         char number[32];
         format_value(number, i * step, step);
-        hs_draw_text(cr, bar->x + 42, y + 6, 17, HS_COLOUR_FAINT_TEXT, HS_ALIGN_LEFT, bar->max_width - 42,
+        hs_draw_text(on, bar->x + 42, y + 6, 17, HS_COLOUR_FAINT_TEXT, HS_ALIGN_LEFT, bar->max_width - 42,
                      number);
     }
 }
 
 bool hs_picture_text(hs_picture *picture, double x, double y, double size, uint32_t colour, hs_align align,
                      double max_width, const char *text, hs_error *err) {
-    cairo_t *cr = hs_draw_begin(picture);
-    hs_draw_text(cr, x, y, size, colour, align, max_width, text);
-    return hs_draw_end(cr, err);
-}
-
-void hs_picture_finish(void) {
-    cairo_debug_reset_static_data();
-    FcFini();
+    hs_canvas *on = hs_draw_begin(picture);
+    hs_draw_text(on, x, y, size, colour, align, max_width, text);
+    return hs_draw_end(on, err);
 }
 
 enum {
@@ -201,17 +145,17 @@ bool hs_picture_panel(hs_picture *out, const hs_panel_item *items, uint32_t coun
     for (uint32_t i = 0; i < count; i++)
         hs_picture_blit(out, (int32_t)(GAP + i * (cell + GAP)), (int32_t)top, cell, cell, &items[i].image,
                         HS_SCALE_SMOOTH);
-    cairo_t *cr = hs_draw_begin(out);
+    hs_canvas *on = hs_draw_begin(out);
     if (caption->title)
-        hs_draw_text(cr, GAP, TITLE_BAND - 12, TITLE_SIZE, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,
+        hs_draw_text(on, GAP, TITLE_BAND - 12, TITLE_SIZE, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,
                      caption->title);
     for (uint32_t i = 0; i < count; i++)
         if (items[i].caption)
-            hs_draw_text(cr, GAP + i * (cell + GAP) + cell / 2.0, top - 9.0, CAPTION_SIZE, HS_COLOUR_TEXT,
+            hs_draw_text(on, GAP + i * (cell + GAP) + cell / 2.0, top - 9.0, CAPTION_SIZE, HS_COLOUR_TEXT,
                          HS_ALIGN_CENTRE, cell, items[i].caption);
-    hs_draw_lines(cr, GAP, top + cell + FACT_STEP, FACT_STEP, FACT_SIZE, HS_COLOUR_FAINT_TEXT,
+    hs_draw_lines(on, GAP, top + cell + FACT_STEP, FACT_STEP, FACT_SIZE, HS_COLOUR_FAINT_TEXT,
                   width - 2.0 * GAP, caption->footer);
-    if (hs_draw_end(cr, err)) return true;
+    if (hs_draw_end(on, err)) return true;
     hs_picture_free(out);
     return false;
 }

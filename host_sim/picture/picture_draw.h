@@ -1,29 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* Drawing on a picture through cairo: text, lines, boxes, colour bars, and pictures side by side with
+/* Drawing on a picture: text, lines, boxes, colour bars, and pictures side by side with
  * captions. Colours are 0xRRGGBB. */
 #ifndef HS_PICTURE_DRAW_H
 #define HS_PICTURE_DRAW_H
 
-#include "picture/picture.h"
+#include "picture/canvas.h"
 
-#include <cairo.h>
 #include <stdint.h>
 
-/* A context that draws on the picture's pixels. Never NULL (cairo reports trouble at the end). */
-cairo_t *hs_draw_begin(hs_picture *picture);
-/* Finishes; false with HS_ERR_MEMORY or HS_ERR_FAILED if anything that was drawn failed. */
-bool hs_draw_end(cairo_t *cr, hs_error *err);
-
 /* One line of text, as hs_picture_text draws it. */
-void hs_draw_text(cairo_t *cr, double x, double y, double size, uint32_t colour, hs_align align,
+void hs_draw_text(hs_canvas *on, double x, double y, double size, uint32_t colour, hs_align align,
                   double max_width, const char *text);
 /* Lines of text parted by '\n', the first standing on y, `step` pixels from one to the next. */
-void hs_draw_lines(cairo_t *cr, double x, double y, double step, double size, uint32_t colour,
+void hs_draw_lines(hs_canvas *on, double x, double y, double step, double size, uint32_t colour,
                    double max_width, const char *text);
 /* Number of lines; 0 for NULL and "". */
 uint32_t hs_draw_line_count(const char *text);
-/* A filled rectangle. */
-void hs_draw_box(cairo_t *cr, double x, double y, double width, double height, uint32_t colour);
 
 /* A vertical colour bar with ticks, numbers, its ends and a heading. */
 typedef struct {
@@ -35,7 +27,7 @@ typedef struct {
     const char *high_word, *low_word; /* beside the numbers at the ends: "far", "near"; NULL for none */
     double max_width;                 /* pixels for bar and numbers */
 } hs_colour_bar;
-void hs_draw_colour_bar(cairo_t *cr, const hs_colour_bar *bar);
+void hs_draw_colour_bar(hs_canvas *on, const hs_colour_bar *bar);
 
 /* A step between ticks of 1, 2 or 5 times a power of ten that gives at most `max_ticks`
  * (>= 1) steps over `range` (> 0). */
@@ -46,10 +38,6 @@ double hs_tick_step(double range, unsigned max_ticks);
  * hold any) are written as \xNN. */
 bool hs_picture_text(hs_picture *picture, double x, double y, double size, uint32_t colour, hs_align align,
                      double max_width, const char *text, hs_error *err);
-
-/* Frees what cairo and fontconfig keep for the whole process (fonts), so that a leak checker finds nothing.
- * Once, at the end of the program, when no other thread draws. */
-void hs_picture_finish(void);
 
 /* One picture of a panel. */
 typedef struct {

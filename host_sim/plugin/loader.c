@@ -47,7 +47,9 @@ static bool is_one_of(const char *folder, const char *const *list, size_t count)
 static bool hs_plugin_folder(unsigned index, char *out, size_t bytes) {
     size_t length;
     unsigned listed;
-    const char *part = list_part(getenv("SMARTVIS_PLUGIN_PATH"), index, &length, &listed);
+    char list[8 * SYS_PATH];
+    const bool set = sys_environment("SMARTVIS_PLUGIN_PATH", list, sizeof list);
+    const char *part = list_part(set ? list : NULL, index, &length, &listed);
     if (part) {
         (void)snprintf(out, bytes, "%.*s", (int)(length < PATH_MAX ? length : PATH_MAX), part);
         return true;

@@ -2,6 +2,7 @@
 /* The text of a scene: built in, drawn or a file. */
 #include "base/input_file.h"
 #include "base/paths.h"
+#include "base/system.h"
 #include "scene/scene.h"
 #include "scene/scene_draw.h"
 
@@ -10,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 const char *hs_scene_of_group(hs_scene_group group, uint32_t index) {
     static const char *const names[HS_SCENES_GROUPS][17] = {
@@ -25,10 +25,8 @@ const char *hs_scene_of_group(hs_scene_group group, uint32_t index) {
 /* The built-in cases lie below the program's folder or beside it: nothing here knows where the sources
  * were. */
 static void scene_folder(char *folder, size_t size) {
-    const char *named = getenv("SMARTVIS_SCENES");
-    if (named && named[0])
-        (void)snprintf(folder, size, "%s", named);
-    else if (!hs_path_beside_program("share/smartvis/scenes", folder, size) || access(folder, X_OK) != 0)
+    if (sys_environment("SMARTVIS_SCENES", folder, size) && folder[0]) return;
+    if (!hs_path_beside_program("share/smartvis/scenes", folder, size) || !sys_is_folder(folder))
         (void)hs_path_beside_program("../share/smartvis/scenes", folder, size);
 }
 

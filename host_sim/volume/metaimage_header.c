@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a MetaImage header says, checked: sizes, types, encoding, data file, and how the volume lies. */
+#include "base/system.h"
 #include "volume/metaimage.h"
 #include "volume/metaimage_parts.h"
 
@@ -142,10 +143,10 @@ static bool check_encoding(const hs_met_text *p, hs_met_header *h) {
 /* True for a file in the header's folder or below it. A header from elsewhere must not make a picture of any
  * file that its reader can read. */
 static bool is_near(const char *name) {
-    bool near = name[0] != '/';
-    for (const char *part = name; near && part; part = strchr(part, '/')) {
-        if (*part == '/') part++;
-        near = !(part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0'));
+    bool near = !sys_is_absolute(name);
+    for (const char *part = name; near && part; part = strpbrk(part, sys_separators)) {
+        part += part > name;
+        near = strncmp(part, "..", 2) != 0 || strcspn(part, sys_separators) != 2;
     }
     return near;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The text of a MetaImage header, told from files of other formats by what is in it and not by its name. */
 #include "base/input_file.h"
+#include "base/system.h"
 #include "volume/metaimage_parts.h"
 
 #include <ctype.h>
@@ -11,7 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 #include <zlib.h>
 
 /* Where a NIfTI header has its size and its mark; Analyze 7.5 has the size alone. */
@@ -282,8 +282,7 @@ bool hs_met_text_read(hs_met_text *text, const char *path, hs_error *err) {
     *text = (hs_met_text){.path = path, .err = err};
     uint64_t file_bytes = 0;
     size_t bytes = 0;
-    struct stat status;
-    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+    if (sys_is_folder(path))
         return hs_fail(err, HS_ERR_INPUT,
                        "%s: is a folder; 'smartvis clip' of the Python package reads one with a DICOM series",
                        path);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "page/page_html.h"
 
+#include "base/input_file.h"
+#include "base/system.h"
 #include "picture/picture.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,12 +62,12 @@ static const char head[] =
     "</style>\n<title>";
 
 static bool part_open(hs_page_part *part) {
-    return (part->stream = open_memstream(&part->text, &part->bytes)) != NULL;
+    return (part->stream = sys_memory_open(&part->text, &part->bytes)) != NULL;
 }
 
 /* What was written so far is in `text` then. */
 static bool part_close(hs_page_part *part) {
-    const bool ok = part->stream && fclose(part->stream) == 0;
+    const bool ok = part->stream && sys_memory_close(part->stream, &part->text, &part->bytes);
     part->stream = NULL;
     return ok;
 }
@@ -193,11 +194,9 @@ static void put_base64(hs_page *page, const unsigned char *bytes, size_t count) 
 /* A file as base64, in blocks whose size is a multiple of three so that only the last is padded. */
 static void put_file(hs_page *page, const char *path) {
     unsigned char block[BLOCK];
-    FILE *file = fopen(path, "rb");
-    if (!file) {
-        (void)hs_fail(&page->error, HS_ERR_INPUT, "%s: cannot read the picture: %s", path, strerror(errno));
-        return;
-    }
+    uint64_t size;
+    FILE *file = hs_input_open(path, path, &size, &page->error);
+    if (!file) return;
     for (size_t got; (got = fread(block, 1, sizeof block, file)) > 0;) put_base64(page, block, got);
     if (ferror(file)) (void)hs_fail(&page->error, HS_ERR_INPUT, "%s: reading the picture failed", path);
     (void)fclose(file);

@@ -175,11 +175,11 @@ bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err);
 
 /* One source of the demo. */
 typedef struct {
-    const char *scene;         /* a scene's name, or NULL: ... */
-    char file[PATH_MAX];       /* ... a volume's path */
-    char folder[NAME_MAX + 1]; /* of its pictures, inside the demo's */
-    char name[96];             /* for a person: "Cord before the face" */
-    bool real;                 /* the real fetus in fluid, which the page names the source of */
+    const char *scene;   /* a scene's name, or NULL: ... */
+    char file[PATH_MAX]; /* ... a volume's path */
+    char folder[256];    /* of its pictures, inside the demo's */
+    char name[96];       /* for a person: "Cord before the face" */
+    bool real;           /* the real fetus in fluid, which the page names the source of */
 
     /* What came of it. */
     char what[300]; /* a sentence on the source */

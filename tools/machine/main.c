@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* host_sim: the simulated ultrasound machine. Dispatches to a subcommand. */
 #include "base/cli.h"
+#include "base/system.h"
 #include "base/text.h"
 #include "commands/commands.h"
 #include "console/console.h"
@@ -85,5 +86,6 @@ static int run(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
+    argv = sys_arguments(&argc, argv);
     return hs_cli_finish("host_sim", run(argc, argv));
 }

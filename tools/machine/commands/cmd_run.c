@@ -5,6 +5,7 @@
 #include "base/json_text.h"
 #include "base/output_file.h"
 #include "base/paths.h"
+#include "base/system.h"
 #include "base/text.h"
 #include "commands/run.h"
 #include "commands/run_line.h"
@@ -15,7 +16,6 @@
 #include <jansson.h>
 #include <limits.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Adds a member. A value that could not be made (no memory, a number that is not finite) fails the whole file
  * rather than being left out. */
@@ -170,12 +170,12 @@ static bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err
 /* Before the work starts: all of it would be lost. */
 static bool files_at_hand(const hs_run_line *line, hs_error *err) {
     const char *reference = line->request.reference;
-    if (reference && access(reference, R_OK) != 0)
+    if (reference && !sys_is_readable(reference))
         return hs_fail(err, HS_ERR_INPUT, "--reference %s: cannot be read: %s", reference, strerror(errno));
     char plugin[PATH_MAX]; /* a name that was mistyped: thirty frames without it tell nothing */
     if (line->request.plugin_path) {
         hs_plugin_find(line->request.plugin_path, plugin, sizeof plugin);
-        if (access(plugin, R_OK) != 0)
+        if (!sys_is_readable(plugin))
             return hs_fail(err, HS_ERR_PLUGIN, "%s: cannot read the plugin file: %s", plugin,
                            strerror(errno));
     }

@@ -2,6 +2,7 @@
 #include "show/loop_pictures.h"
 
 #include "base/paths.h"
+#include "base/system.h"
 #include "loop/view.h"
 #include "picture/picture.h"
 #include "picture/picture_draw.h"
@@ -13,7 +14,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes) {
     if (frame->clipped && hs_doubt_words(frame->doubt, out, bytes)) return out;
@@ -122,7 +122,7 @@ static bool write_depthmap(const hs_view *view, const char *folder, const char *
 static bool leave_out(const char *folder, const char *name, hs_error *err) {
     char path[PATH_MAX];
     if (!hs_path_join(folder, name, path, sizeof path, err)) return false;
-    return unlink(path) == 0 || errno == ENOENT ||
+    return sys_remove(path) || errno == ENOENT ||
            hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be removed: %s", path, strerror(errno));
 }
 

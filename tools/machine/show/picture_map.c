@@ -63,13 +63,14 @@ static bool begin_map(hs_picture *out, layout *l, uint32_t width, uint32_t heigh
 }
 
 /* Title and footer; ends the drawing. On failure frees the picture. */
-static bool end_map(hs_picture *out, cairo_t *cr, const layout *l, const hs_caption *caption, hs_error *err) {
+static bool end_map(hs_picture *out, hs_canvas *on, const layout *l, const hs_caption *caption,
+                    hs_error *err) {
     const double width = out->width - 2.0 * MARGIN;
     if (caption->title)
-        hs_draw_text(cr, MARGIN, TITLE_BAND - 14, 24, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width, caption->title);
-    hs_draw_lines(cr, MARGIN, l->legend_bottom + FACT_STEP, FACT_STEP, 18, HS_COLOUR_FAINT_TEXT, width,
+        hs_draw_text(on, MARGIN, TITLE_BAND - 14, 24, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width, caption->title);
+    hs_draw_lines(on, MARGIN, l->legend_bottom + FACT_STEP, FACT_STEP, 18, HS_COLOUR_FAINT_TEXT, width,
                   caption->footer);
-    if (hs_draw_end(cr, err)) return true;
+    if (hs_draw_end(on, err)) return true;
     hs_picture_free(out);
     return false;
 }
@@ -80,15 +81,15 @@ static uint32_t hatch(uint32_t x, uint32_t y) {
 }
 
 /* One line of a legend: a square and a text. */
-static void draw_entry(cairo_t *cr, const layout *l, double y, uint32_t colour, bool hatched,
+static void draw_entry(hs_canvas *on, const layout *l, double y, uint32_t colour, bool hatched,
                        const char *text) {
     if (hatched) {
         for (uint32_t j = 0; j < SWATCH; j++)
-            for (uint32_t i = 0; i < SWATCH; i++) hs_draw_box(cr, l->legend_x + i, y + j, 1, 1, hatch(i, j));
+            for (uint32_t i = 0; i < SWATCH; i++) hs_draw_box(on, l->legend_x + i, y + j, 1, 1, hatch(i, j));
     } else {
-        hs_draw_box(cr, l->legend_x, y, SWATCH, SWATCH, colour);
+        hs_draw_box(on, l->legend_x, y, SWATCH, SWATCH, colour);
     }
-    hs_draw_text(cr, l->legend_x + SWATCH + 10.0, y + SWATCH - 2.0, 18, HS_COLOUR_TEXT, HS_ALIGN_LEFT,
+    hs_draw_text(on, l->legend_x + SWATCH + 10.0, y + SWATCH - 2.0, 18, HS_COLOUR_TEXT, HS_ALIGN_LEFT,
                  LEGEND_WIDTH - SWATCH - 10.0, text);
 }
 
@@ -130,20 +131,20 @@ static uint32_t depth_colour(float depth, depth_range range) {
 }
 
 /* Draws the bar in the legend's column above `rows` entries. Returns where the first entry starts. */
-static double draw_bar(cairo_t *cr, const layout *l, hs_colour_bar *bar, uint32_t rows) {
+static double draw_bar(hs_canvas *on, const layout *l, hs_colour_bar *bar, uint32_t rows) {
     const double room = (double)l->legend_bottom - l->y - rows * (double)ROW_STEP - 2.0 * BAR_MARGIN;
     bar->x = l->legend_x;
     bar->y = (double)l->y + BAR_MARGIN;
     bar->height = fmin(room, 420.0);
     bar->max_width = LEGEND_WIDTH;
-    hs_draw_colour_bar(cr, bar);
+    hs_draw_colour_bar(on, bar);
     return bar->y + bar->height + BAR_MARGIN;
 }
 
 /* The bar of depths; words stand in its place if there is no depth. */
-static double draw_depth_bar(cairo_t *cr, const layout *l, depth_range range) {
+static double draw_depth_bar(hs_canvas *on, const layout *l, depth_range range) {
     if (range.low > range.high) {
-        hs_draw_text(cr, l->legend_x, l->y + 14.0, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH,
+        hs_draw_text(on, l->legend_x, l->y + 14.0, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH,
                      "no ray is clipped");
         return (double)l->y + BAR_MARGIN;
     }
@@ -153,7 +154,7 @@ static double draw_depth_bar(cairo_t *cr, const layout *l, depth_range range) {
                          .heading = "depth [mm]",
                          .high_word = "far",
                          .low_word = "near"};
-    return draw_bar(cr, l, &bar, 2);
+    return draw_bar(on, l, &bar, 2);
 }
 
 bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, uint32_t height,
@@ -177,16 +178,16 @@ bool hs_picture_depthmap(hs_picture *out, const float *depth, uint32_t width, ui
                                                     : depth_colour(d, range);
         }
     }
-    cairo_t *cr = hs_draw_begin(out);
+    hs_canvas *on = hs_draw_begin(out);
     char text[96];
-    const double y = draw_depth_bar(cr, &l, range);
+    const double y = draw_depth_bar(on, &l, range);
     (void)snprintf(text, sizeof text, "clips nothing: %.1f %%", percent(nothing, count));
-    draw_entry(cr, &l, y, 0, true, text);
+    draw_entry(on, &l, y, 0, true, text);
     if (invalid > 0) {
         (void)snprintf(text, sizeof text, "not a number: %zu", invalid);
-        draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_INVALID, false, text);
+        draw_entry(on, &l, y + ROW_STEP, HS_COLOUR_INVALID, false, text);
     }
-    return end_map(out, cr, &l, caption, err);
+    return end_map(out, on, &l, caption, err);
 }
 
 bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint32_t height, float limit,
@@ -202,7 +203,7 @@ bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint
             *pixel_at(out, &l, i, j) = isnan(v) ? HS_COLOUR_NO_VALUE : hs_colour_diverging((double)v / limit);
         }
     }
-    cairo_t *cr = hs_draw_begin(out);
+    hs_canvas *on = hs_draw_begin(out);
     char heading[96], text[96];
     (void)snprintf(heading, sizeof heading, "%s [%s]", words->quantity, words->unit);
     hs_colour_bar bar = {.low = -limit,
@@ -212,10 +213,10 @@ bool hs_picture_signed(hs_picture *out, const float *value, uint32_t width, uint
                          .heading = heading,
                          .high_word = words->positive,
                          .low_word = words->negative};
-    const double y = draw_bar(cr, &l, &bar, 1);
+    const double y = draw_bar(on, &l, &bar, 1);
     (void)snprintf(text, sizeof text, "no value: %.1f %%", percent(count - valid, count));
-    draw_entry(cr, &l, y, HS_COLOUR_NO_VALUE, false, text);
-    return end_map(out, cr, &l, caption, err);
+    draw_entry(on, &l, y, HS_COLOUR_NO_VALUE, false, text);
+    return end_map(out, on, &l, caption, err);
 }
 
 bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint32_t height,
@@ -237,19 +238,19 @@ bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint3
                 v >= 0.0f && v <= 1.0f ? hs_colour_viridis((double)v) : HS_COLOUR_INVALID;
         }
     }
-    cairo_t *cr = hs_draw_begin(out);
+    hs_canvas *on = hs_draw_begin(out);
     char text[96];
     hs_colour_bar bar = {.high = 1.0,
                          .colour = hs_colour_viridis,
                          .heading = words->quantity,
                          .high_word = words->high,
                          .low_word = words->low};
-    const double y = draw_bar(cr, &l, &bar, 2);
+    const double y = draw_bar(on, &l, &bar, 2);
     (void)snprintf(text, sizeof text, "mean: %.2f", valid > 0 ? sum / (double)valid : 0.0);
-    hs_draw_text(cr, l.legend_x, y + 14.0, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, text);
+    hs_draw_text(on, l.legend_x, y + 14.0, 19, HS_COLOUR_TEXT, HS_ALIGN_LEFT, LEGEND_WIDTH, text);
     if (valid < count) {
         (void)snprintf(text, sizeof text, "not in 0 .. 1: %zu", count - valid);
-        draw_entry(cr, &l, y + ROW_STEP, HS_COLOUR_INVALID, false, text);
+        draw_entry(on, &l, y + ROW_STEP, HS_COLOUR_INVALID, false, text);
     }
-    return end_map(out, cr, &l, caption, err);
+    return end_map(out, on, &l, caption, err);
 }

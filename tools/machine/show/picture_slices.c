@@ -152,30 +152,30 @@ static double side_mm(const slices *s, hs_slice_plane p, bool horizontal) {
 }
 
 /* Ticks at round millimetres along one side. */
-static void draw_scale(cairo_t *cr, double x, double y, double length, double mm, bool horizontal) {
+static void draw_scale(hs_canvas *on, double x, double y, double length, double mm, bool horizontal) {
     const double step = hs_tick_step(mm, MAX_TICKS);
     char text[32];
     for (double at = 0.0; at <= mm * (1.0 + 1e-9); at += step) {
         const double pixel = at / mm * length;
         (void)snprintf(text, sizeof text, "%.0f", at);
         if (horizontal) {
-            hs_draw_box(cr, x + pixel, y, 1, 5, HS_COLOUR_FAINT_TEXT);
-            hs_draw_text(cr, x + pixel, y + 23, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, 0, text);
+            hs_draw_box(on, x + pixel, y, 1, 5, HS_COLOUR_FAINT_TEXT);
+            hs_draw_text(on, x + pixel, y + 23, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, 0, text);
         } else {
-            hs_draw_box(cr, x - 5, y + pixel, 5, 1, HS_COLOUR_FAINT_TEXT);
-            hs_draw_text(cr, x - 9, y + pixel + 7, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_RIGHT, 0, text);
+            hs_draw_box(on, x - 5, y + pixel, 5, 1, HS_COLOUR_FAINT_TEXT);
+            hs_draw_text(on, x - 9, y + pixel + 7, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_RIGHT, 0, text);
         }
     }
 }
 
 /* The other slices' places: two lines, at shares of the slice's sides. */
-static void draw_planes(cairo_t *cr, double x, double y, double width, double height, double vertical,
+static void draw_planes(hs_canvas *on, double x, double y, double width, double height, double vertical,
                         double horizontal) {
-    hs_draw_box(cr, x + vertical * width, y, 1, height, PLANE_COLOUR);
-    hs_draw_box(cr, x, y + horizontal * height, width, 1, PLANE_COLOUR);
+    hs_draw_box(on, x + vertical * width, y, 1, height, PLANE_COLOUR);
+    hs_draw_box(on, x, y + horizontal * height, width, 1, PLANE_COLOUR);
 }
 
-static void draw_frame_of(const slices *s, cairo_t *cr, hs_slice_plane p, double x, double y) {
+static void draw_frame_of(const slices *s, hs_canvas *on, hs_slice_plane p, double x, double y) {
     /* Which way the sides run. */
     static const char *const sides[3] = {"→ right, ↓ depth [mm]", "→ depth, ↓ down [mm]",
                                          "→ right, ↓ down [mm]"};
@@ -189,31 +189,31 @@ static void draw_frame_of(const slices *s, cairo_t *cr, hs_slice_plane p, double
         (void)snprintf(text, sizeof text, "Along, %.0f mm right", 0.5 * c->extent);
     else
         (void)snprintf(text, sizeof text, "%.0f mm deep", s->depth * c->depth_extent);
-    hs_draw_text(cr, x, y - 9, HEAD_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, n, text);
-    draw_scale(cr, x, y + height, width, right, true);
-    draw_scale(cr, x, y, height, down, false);
-    hs_draw_text(cr, x + width / 2, y + height + 48, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n,
+    hs_draw_text(on, x, y - 9, HEAD_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, n, text);
+    draw_scale(on, x, y + height, width, right, true);
+    draw_scale(on, x, y, height, down, false);
+    hs_draw_text(on, x + width / 2, y + height + 48, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE, n,
                  sides[p]);
-    draw_planes(cr, x, y, width, height, p == HS_SLICE_ALONG ? s->depth : 0.5,
+    draw_planes(on, x, y, width, height, p == HS_SLICE_ALONG ? s->depth : 0.5,
                 p == HS_SLICE_ACROSS ? s->depth : 0.5);
 }
 
-static double draw_key(cairo_t *cr, double x, double y, uint32_t colour, double height, const char *text) {
-    hs_draw_box(cr, x, y - 8 - height / 2, 22, height, colour);
-    hs_draw_text(cr, x + 30, y, KEY_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, 0, text);
+static double draw_key(hs_canvas *on, double x, double y, uint32_t colour, double height, const char *text) {
+    hs_draw_box(on, x, y - 8 - height / 2, 22, height, colour);
+    hs_draw_text(on, x + 30, y, KEY_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, 0, text);
     return x + 30 + 13.0 * (double)strlen(text) + 24;
 }
 
-static void draw_legend(const slices *s, cairo_t *cr, double y) {
+static void draw_legend(const slices *s, hs_canvas *on, double y) {
     double x = GAP;
     if (hs_view_clip_depth(s->view) >= 0.0) {
-        x = draw_key(cr, x, y, HS_SLICE_LINE, 4, "clipping surface");
-        x = draw_key(cr, x, y, 0x606060u, 14, "removed (dimmed)");
+        x = draw_key(on, x, y, HS_SLICE_LINE, 4, "clipping surface");
+        x = draw_key(on, x, y, 0x606060u, 14, "removed (dimmed)");
     } else {
-        x = draw_key(cr, x, y, 0xa0a0a0u, 14, "nothing is removed");
+        x = draw_key(on, x, y, 0xa0a0a0u, 14, "nothing is removed");
     }
-    x = draw_key(cr, x, y, 0x000000u, 14, "fluid, or not scanned");
-    (void)draw_key(cr, x, y, PLANE_COLOUR, 2, "the other slices");
+    x = draw_key(on, x, y, 0x000000u, 14, "fluid, or not scanned");
+    (void)draw_key(on, x, y, PLANE_COLOUR, 2, "the other slices");
 }
 
 static int by_value(const void *a, const void *b) {
@@ -247,9 +247,9 @@ static bool draw_slices(const slices *s, hs_picture *out, double top, hs_error *
         const double x = GAP + s->cell + SCALE + p * (double)(s->cell + SCALE + GAP);
         hs_slice_fill(&s->scene, (hs_slice_plane)p, s->cell, rgba, removed);
         hs_picture_blit(out, (int32_t)x, (int32_t)top, s->cell, s->cell, &image, HS_SCALE_NEAREST);
-        cairo_t *cr = hs_draw_begin(out);
-        draw_frame_of(s, cr, (hs_slice_plane)p, x, top);
-        if (!hs_draw_end(cr, err)) {
+        hs_canvas *on = hs_draw_begin(out);
+        draw_frame_of(s, on, (hs_slice_plane)p, x, top);
+        if (!hs_draw_end(on, err)) {
             free(rgba);
             free(removed);
             return false;
@@ -292,19 +292,19 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
         return false;
     const hs_image result = {.data = view->result, .width = view->width, .height = view->height};
     hs_picture_blit(out, GAP, (int32_t)top, s.cell, s.cell, &result, HS_SCALE_SMOOTH);
-    cairo_t *cr = hs_draw_begin(out);
+    hs_canvas *on = hs_draw_begin(out);
     if (caption->title)
-        hs_draw_text(cr, GAP, TITLE_BAND - 14, TITLE_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,
+        hs_draw_text(on, GAP, TITLE_BAND - 14, TITLE_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,
                      caption->title);
-    hs_draw_text(cr, GAP, top - 9, HEAD_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, s.cell,
+    hs_draw_text(on, GAP, top - 9, HEAD_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, s.cell,
                  view->frame.clipped ? "Result" : "Result: not clipped");
-    draw_scale(cr, GAP, top + s.cell, s.cell, view->picture_mm, true);
-    draw_legend(&s, cr, top + s.cell + FOOT + 26);
-    hs_draw_text(cr, GAP + s.cell / 2.0, top + s.cell + 48, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE,
+    draw_scale(on, GAP, top + s.cell, s.cell, view->picture_mm, true);
+    draw_legend(&s, on, top + s.cell + FOOT + 26);
+    hs_draw_text(on, GAP + s.cell / 2.0, top + s.cell + 48, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE,
                  s.cell, "→ right, ↓ down [mm]");
-    hs_draw_lines(cr, GAP, top + s.cell + FOOT + LEGEND + 20, FACT_STEP, KEY_TEXT, HS_COLOUR_FAINT_TEXT,
+    hs_draw_lines(on, GAP, top + s.cell + FOOT + LEGEND + 20, FACT_STEP, KEY_TEXT, HS_COLOUR_FAINT_TEXT,
                   width - 2.0 * GAP, caption->footer);
-    if (hs_draw_end(cr, err) && draw_slices(&s, out, top, err)) return true;
+    if (hs_draw_end(on, err) && draw_slices(&s, out, top, err)) return true;
     hs_picture_free(out);
     return false;
 }
