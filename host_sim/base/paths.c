@@ -4,18 +4,17 @@
 #include "base/system.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 /* mkdir -p: every prefix that ends before a slash, then the whole path. */
 static bool make_folders(const char *path, hs_error *err) {
-    char prefix[PATH_MAX];
+    char prefix[SYS_PATH];
     const size_t length = strlen(path);
     if (length == 0 || length >= sizeof prefix)
         return hs_fail(err, HS_ERR_OUTPUT, "'%s': a folder's path has 1 .. %d characters", path,
-                       PATH_MAX - 1);
+                       SYS_PATH - 1);
     for (size_t i = 1; i <= length; i++) {
         if (path[i] != '/' && path[i] != '\0') continue;
         memcpy(prefix, path, i);
@@ -39,7 +38,7 @@ int hs_path_first(const char *stem, const char *ending, char *out, size_t bytes)
 }
 
 bool hs_path_make_folder(const char *path, hs_error *err) {
-    char stem[PATH_MAX], probe[PATH_MAX];
+    char stem[SYS_PATH], probe[SYS_PATH];
     if (!make_folders(path, err) || !hs_path_join(path, ".host_sim_", stem, sizeof stem, err)) return false;
     const int file = hs_path_first(stem, "", probe, sizeof probe);
     if (file < 0) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write there: %s", path, strerror(errno));
@@ -56,7 +55,7 @@ bool hs_path_join(const char *folder, const char *name, char *out, size_t bytes,
 }
 
 int hs_path_temporary(const char *stem, const char *ending, char *out, size_t bytes, hs_error *err) {
-    char folder[PATH_MAX], whole[PATH_MAX];
+    char folder[SYS_PATH], whole[SYS_PATH];
     const bool set = sys_environment("TMPDIR", folder, sizeof folder);
     if (!hs_path_join(set ? folder : "/tmp", stem, whole, sizeof whole, err)) return -1;
     const int file = hs_path_first(whole, ending, out, bytes);

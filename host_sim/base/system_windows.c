@@ -17,11 +17,20 @@
 
 const char sys_library_ending[] = ".dll", sys_list_separator[] = ";", sys_separators[] = "/\\";
 
-/* False: not UTF-8, or too long. What is longer than old programs may name becomes a whole path of the kind
- * that has no such limit. */
+/* A colon names a drive, also behind "//?/". Any other one would name a stream, which nobody sees. */
+static bool names_stream(const char *path) {
+    const bool prefixed = strspn(path, sys_separators) == 2 && strspn(path, "/\\?.") == 4;
+    const char *colon = strrchr(path, ':');
+    return colon && colon != path + (prefixed ? 5 : 1);
+}
+
+/* False: not UTF-8, a stream, or too long. What is longer than old programs may name becomes a whole path of
+ * the kind that has no such limit. */
 static bool widen(const char *path, wchar_t wide[SYS_PATH]) {
     enum { OLD_MAX = 240, PREFIX = 4 };
     wchar_t whole[SYS_PATH];
+    errno = EINVAL;
+    if (names_stream(path)) return false;
     const int length = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, SYS_PATH);
     errno = GetLastError() == ERROR_INSUFFICIENT_BUFFER ? ENAMETOOLONG : EILSEQ;
     if (length <= OLD_MAX) return length > 0;

@@ -5,11 +5,10 @@
 #include "base/paths.h"
 #include "base/system.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
-static char program[PATH_MAX + 16];
+static char program[SYS_PATH + 16];
 
 void hs_guard_set_program(const char *path) {
     (void)snprintf(program, sizeof program, "%s", path);
@@ -33,7 +32,7 @@ bool hs_guard_wanted(const hs_guard_options *options, const char *path) {
     /* Where the build and an installation put it. Other folders, those of the environment too, are not the
      * host's. */
     static const char *const own[] = {"smartvis.so", "../lib/smartvis/smartvis.so"};
-    char beside[PATH_MAX];
+    char beside[SYS_PATH];
     if (options->choice != HS_GUARD_AUTO) return options->choice == HS_GUARD_ON;
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         if (hs_path_beside_program(own[i], beside, sizeof beside) && sys_same_file(path, beside))

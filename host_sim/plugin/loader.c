@@ -8,7 +8,6 @@
 #include "smartvis/open.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,7 +26,7 @@ static const char *list_part(const char *list, unsigned index, size_t *length, u
 
 /* Writes the folder of plugins of the installation that the program belongs to, without the "..". */
 static bool own_folder(char *out, size_t bytes) {
-    char beside[PATH_MAX];
+    char beside[SYS_PATH];
     if (!hs_path_beside_program("../lib/smartvis", beside, sizeof beside)) return false;
     char *resolved = sys_full_path(beside);
     const int length = resolved ? snprintf(out, bytes, "%s", resolved) : -1;
@@ -51,7 +50,7 @@ static bool hs_plugin_folder(unsigned index, char *out, size_t bytes) {
     const bool set = sys_environment("SMARTVIS_PLUGIN_PATH", list, sizeof list);
     const char *part = list_part(set ? list : NULL, index, &length, &listed);
     if (part) {
-        (void)snprintf(out, bytes, "%.*s", (int)(length < PATH_MAX ? length : PATH_MAX), part);
+        (void)snprintf(out, bytes, "%.*s", (int)(length < SYS_PATH ? length : SYS_PATH), part);
         return true;
     }
     static const char *const fixed[] = {"/usr/local/lib/smartvis", "/usr/lib/smartvis"};
@@ -67,7 +66,7 @@ static bool hs_plugin_folder(unsigned index, char *out, size_t bytes) {
 
 /* True, with the path in out, if one of the folders has the file. */
 static bool find_in_folders(const char *name, const char *ending, char *out, size_t bytes) {
-    char folder[PATH_MAX];
+    char folder[SYS_PATH];
     for (unsigned i = 0; hs_plugin_folder(i, folder, sizeof folder); i++) {
         const int length = snprintf(out, bytes, "%s/%s%s", folder, name, ending);
         if (folder[0] != '\0' && length >= 0 && (size_t)length < bytes && sys_is_file(out)) return true;

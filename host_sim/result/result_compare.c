@@ -3,8 +3,8 @@
 
 #include "base/output_file.h"
 #include "base/paths.h"
+#include "base/system.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,7 +31,7 @@ static bool write_differences(const char *path, const double *kept, const double
 
 bool hs_result_compare(const char *folder, const char *reference, uint32_t width, uint32_t height,
                        double tolerance, hs_result_difference *out, hs_error *err) {
-    char map[PATH_MAX], rows[PATH_MAX];
+    char map[SYS_PATH], rows[SYS_PATH];
     const uint32_t rays = width * height;
     *out = (hs_result_difference){.rays = rays, .tolerance = tolerance};
     double *kept = hs_memory((size_t)rays * 2, sizeof *kept, reference, err);

@@ -3,10 +3,10 @@
 
 #include "base/paths.h"
 #include "base/progress.h"
+#include "base/system.h"
 #include "volume/metaimage_parts.h"
 #include "volume/metaimage_write.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -199,10 +199,10 @@ static bool gather_fields(writing *w) {
     return true;
 }
 
-static bool file_path(const writing *w, const char *name, const char *ending, char out[PATH_MAX]) {
+static bool file_path(const writing *w, const char *name, const char *ending, char out[SYS_PATH]) {
     char file[64];
     (void)snprintf(file, sizeof file, "%s%s", name, ending);
-    return hs_path_join(w->folder, file, out, PATH_MAX, w->err);
+    return hs_path_join(w->folder, file, out, SYS_PATH, w->err);
 }
 
 /* Maps have the camera's grid, volumes the source's. */
@@ -210,7 +210,7 @@ static bool open_stream(writing *w, uint32_t index) {
     const hs_volume *v = hs_source_shape(w->source);
     const bool is_map = index < 3;
     hs_result_grid grid;
-    char path[PATH_MAX];
+    char path[SYS_PATH];
     hs_result_grid_of(&w->maps, v, &grid);
     hs_metaimage_format format = {.dims = is_sequence(w) ? 4 : 3,
                                   .pose = is_map ? &grid.pose : &v->pose,
@@ -303,7 +303,7 @@ static bool write_clipped(writing *w, uint32_t index, hs_metaimage_stream *out) 
 }
 
 static bool write_surface(writing *w, uint32_t index) {
-    char name[32], path[PATH_MAX];
+    char name[32], path[SYS_PATH];
     (void)snprintf(name, sizeof name, w->source->count > 1 ? "surface_%04u" : "surface", index);
     return file_path(w, name, ".ply", path) &&
            hs_result_write_surface(path, &w->maps, hs_source_shape(w->source), &w->source->crop,

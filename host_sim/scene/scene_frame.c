@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene from its file to its volumes: the steps in their order, each only if the scene lists it. */
+#include "base/system.h"
 #include "base/threads.h"
 #include "scene/scene.h"
 #include "scene/scene_field.h"
@@ -8,7 +9,6 @@
 #include "scene/scene_spec.h"
 #include "volume/kretz.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,7 +59,7 @@ const char *hs_scene_json(const hs_scene *scene) {
 }
 
 hs_scene *hs_scene_open(const char *name_or_path, hs_error *err) {
-    char path[PATH_MAX + 256];
+    char path[SYS_PATH + 256];
     char *text = hs_scene_text(name_or_path, path, sizeof path, err);
     hs_scene *scene = text ? calloc(1, sizeof *scene) : NULL;
     if (text && !scene) hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);

@@ -125,12 +125,26 @@ static void set_defaults(hs_scene_spec *spec) {
     spec->slice = (hs_slice_spec){.elevation_mm = 1.2f, .focus_mm = 60.0f, .rayleigh_mm = 25.0f};
 }
 
+/* On every system: for Windows, what begins with "NUL." is a device, too, and "a " is "a". */
+static bool is_file_name(const char *name) {
+    static const char *const devices[] = {"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$", "COM", "LPT"};
+    size_t stem = strcspn(name, ".");
+    while (stem > 0 && name[stem - 1] == ' ') stem--;
+    for (size_t i = 0; i < HS_COUNT(devices); i++) {
+        const size_t length = strlen(devices[i]);
+        const bool port =
+            i + 2 >= HS_COUNT(devices) && stem == length + 1 && name[length] >= '0' && name[length] <= '9';
+        if ((stem == length || port) && strncasecmp(name, devices[i], length) == 0) return false;
+    }
+    return stem > 0 && !strpbrk(name, "/\\:*?\"<>|") && !strchr(" .", name[strlen(name) - 1]);
+}
+
 /* The name becomes part of file names. */
 static bool check_name(const hs_json *root, const char *name) {
     hs_json at;
-    return (name[0] != '\0' && name[0] != '.' && !strchr(name, '/')) ||
+    return is_file_name(name) ||
            (hs_json_member(root, "name", &at) &&
-            hs_json_fail(&at, "is '%.63s', expected a part of a file's name: no '/', no '.' in front", name));
+            hs_json_fail(&at, "is '%.63s', expected a part of a file's name on every system", name));
 }
 
 static bool read_scene(const hs_json *root, hs_scene_spec *spec) {

@@ -6,7 +6,6 @@
 #include "scene/scene.h"
 #include "scene/scene_draw.h"
 
-#include <limits.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,7 +53,7 @@ static char *read_text(const char *path, hs_error *err) {
 }
 
 char *hs_scene_text(const char *name_or_path, char *path, size_t size, hs_error *err) {
-    char folder[PATH_MAX];
+    char folder[SYS_PATH];
     hs_scene_drawn drawn;
     if (strpbrk(name_or_path, "/.")) {
         (void)snprintf(path, size, "%s", name_or_path);

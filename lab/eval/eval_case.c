@@ -2,6 +2,7 @@
 #include "eval/eval_case.h"
 
 #include "base/progress.h"
+#include "base/system.h"
 #include "base/text.h"
 #include "loop/loop_run.h"
 #include "plugin/loader_param.h"
@@ -10,7 +11,6 @@
 #include "volume/metaimage.h"
 
 #include <assert.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,11 +22,11 @@
 enum { FULL, TRUTH, LABEL, FIRST, END, PARTS };
 
 /* "FULL,TRUTH,LABEL" or "FULL,TRUTH,LABEL,FIRST,END" in its parts: how many there are, 0 if it is neither. */
-static int split(const char *text, char part[PARTS][PATH_MAX]) {
+static int split(const char *text, char part[PARTS][SYS_PATH]) {
     for (int i = 0; i < PARTS; i++) {
         const char *comma = strchr(text, ',');
         const size_t length = comma ? (size_t)(comma - text) : strlen(text);
-        if (length == 0 || length >= PATH_MAX) return 0;
+        if (length == 0 || length >= SYS_PATH) return 0;
         memcpy(part[i], text, length);
         part[i][length] = '\0';
         if (!comma) return i == LABEL || i == END ? i + 1 : 0;
@@ -58,7 +58,7 @@ static bool check_label(const hs_volume *full, const hs_volume *label, const cha
 }
 
 /* A label promises that something can be seen there, so the ray must have been scanned. */
-static bool check_scanned(const hs_volume *full, const hs_volume *label, char part[PARTS][PATH_MAX],
+static bool check_scanned(const hs_volume *full, const hs_volume *label, char part[PARTS][SYS_PATH],
                           hs_error *err) {
     const size_t rays = (size_t)full->nx * full->ny;
     double *maps = malloc(2 * rays * sizeof *maps);
@@ -81,7 +81,7 @@ static bool check_scanned(const hs_volume *full, const hs_volume *label, char pa
 }
 
 /* The volume that the plugin gets; with maps, what they call unscanned is 0. */
-static bool open_full(hs_eval_source *s, char part[PARTS][PATH_MAX], bool ranged,
+static bool open_full(hs_eval_source *s, char part[PARTS][SYS_PATH], bool ranged,
                       const hs_metaimage_options *read, hs_error *err) {
     hs_source_files how = {.metaimage = *read};
     for (int k = 0; ranged && k < 2; k++) how.metaimage.scanned[k] = part[FIRST + k];
@@ -103,7 +103,7 @@ static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_err
     /* Labels of 0 are labels: no zero is raised. */
     static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
     const char *const names = request->name;
-    char part[PARTS][PATH_MAX];
+    char part[PARTS][SYS_PATH];
     const int parts = split(names, part);
     if (parts == 0)
         return hs_fail(err, HS_ERR_USAGE,

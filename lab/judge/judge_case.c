@@ -3,11 +3,11 @@
  * scene. */
 #include "judge/judge.h"
 
+#include "base/system.h"
 #include "render/camera.h"
 #include "volume/fan_fit.h"
 #include "volume/metaimage.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -108,7 +108,7 @@ static void *copy_of(const void *from, size_t bytes, const char *name, hs_error 
 /* Black fluid as the file has it: with maps, a 0 needs no other value to tell that it was scanned. */
 static bool take_black(const char *files, wall_case *c, hs_error *err) {
     static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
-    char path[PATH_MAX];
+    char path[SYS_PATH];
     hs_volume v;
     (void)snprintf(path, sizeof path, "%.*s", (int)strcspn(files, ","), files);
     if (!hs_metaimage_read(path, &as_it_is, &v, err)) return false;

@@ -6,6 +6,7 @@
 #include "base/options.h"
 #include "base/paths.h"
 #include "base/progress.h"
+#include "base/system.h"
 #include "base/text.h"
 #include "commands/look_line.h"
 #include "commands/run_print.h"
@@ -18,7 +19,6 @@
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -210,7 +210,7 @@ static void tell(const demo *d, const hs_demo_case *c, double seconds) {
 
 static bool run_case(demo *d, hs_demo_case *c, hs_error *err) {
     const double start = hs_now();
-    char folder[PATH_MAX];
+    char folder[SYS_PATH];
     const char *const volumes[1] = {c->file};
     hs_run_request request;
     hs_run run;
@@ -240,7 +240,7 @@ static bool run_case(demo *d, hs_demo_case *c, hs_error *err) {
 }
 
 static bool run_demo(demo *d, hs_error *err) {
-    char path[PATH_MAX], log[PATH_MAX];
+    char path[SYS_PATH], log[SYS_PATH];
     hs_page page;
     if (!hs_path_make_folder(d->out, err) || !hs_path_join(d->out, "index.html", path, sizeof path, err) ||
         !hs_path_join(d->out, "log.txt", log, sizeof log, err) || !add_fetus(d, err))

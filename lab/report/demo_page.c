@@ -2,6 +2,7 @@
 #include "report/report.h"
 
 #include "base/paths.h"
+#include "base/system.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +20,7 @@ static const char source_of_real[] =
 typedef void put_figure(hs_page *page, const char *path, const char *alt, const char *caption);
 static void show(hs_page *page, const char *out, const hs_demo_case *c, put_figure *put, const char *file,
                  const char *alt, const char *caption) {
-    char folder[PATH_MAX], path[PATH_MAX], whole[256];
+    char folder[SYS_PATH], path[SYS_PATH], whole[256];
     (void)snprintf(whole, sizeof whole, "%s: %s", c->name, alt);
     if (hs_path_join(out, c->folder, folder, sizeof folder, &page->error) &&
         hs_path_join(folder, file, path, sizeof path, &page->error) && access(path, F_OK) == 0)

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "base/system.h"
 #include "eval/eval_case.h"
 #include "eval/eval_compare.h"
 #include "eval/eval_study.h"
@@ -12,7 +13,6 @@
 #include "page/page_html.h"
 #include "picture/picture.h"
 
-#include <limits.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -176,7 +176,7 @@ bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err);
 /* One source of the demo. */
 typedef struct {
     const char *scene;   /* a scene's name, or NULL: ... */
-    char file[PATH_MAX]; /* ... a volume's path */
+    char file[SYS_PATH]; /* ... a volume's path */
     char folder[256];    /* of its pictures, inside the demo's */
     char name[96];       /* for a person: "Cord before the face" */
     bool real;           /* the real fetus in fluid, which the page names the source of */

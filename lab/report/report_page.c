@@ -2,11 +2,11 @@
 #include "report/report.h"
 
 #include "base/paths.h"
+#include "base/system.h"
 #include "loop/clipper.h"
 #include "page/plot.h"
 #include "plugin/loader_param.h"
 
-#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -247,7 +247,7 @@ static void put_case(hs_page *report, const hs_eval_study *study, uint32_t index
 }
 
 bool hs_eval_study_page(const hs_eval_study *study, hs_error *err) {
-    char path[PATH_MAX], text[128], studied[64];
+    char path[SYS_PATH], text[128], studied[64];
     hs_page report;
     if (!hs_path_join(study->options->out, "index.html", path, sizeof path, err)) return false;
     hs_page_open(&report, path, "SmartVis: evaluation");
@@ -343,7 +343,7 @@ static void put_bars(hs_page *report, const hs_eval_comparison *x) {
 
 static void show(hs_page *report, const char *folder, const char *file, const char *name,
                  const char *caption) {
-    char path[PATH_MAX], alt[400];
+    char path[SYS_PATH], alt[400];
     (void)snprintf(alt, sizeof alt, "%s: %s", name, caption);
     if (hs_path_join(folder, file, path, sizeof path, &report->error))
         hs_page_photo(report, path, alt, caption);
@@ -351,7 +351,7 @@ static void show(hs_page *report, const char *folder, const char *file, const ch
 
 /* Puts the pictures of a plugin at the first seed, in the order of the ranking. */
 static void put_renderings(hs_page *report, const hs_eval_comparison *x, uint32_t index) {
-    char folder[PATH_MAX], file[32], caption[320];
+    char folder[SYS_PATH], file[32], caption[320];
     if (!hs_eval_compare_folder(x, index, folder, sizeof folder, &report->error)) return;
     hs_page_heading(report, 3, x->name[index]);
     if (x->doubt[index][0]) hs_page_text(report, x->doubt[index]);
@@ -369,7 +369,7 @@ static void put_renderings(hs_page *report, const hs_eval_comparison *x, uint32_
 }
 
 bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err) {
-    char path[PATH_MAX], text[400];
+    char path[SYS_PATH], text[400];
     hs_page report;
     if (!hs_path_join(x->options->out, "index.html", path, sizeof path, err)) return false;
     hs_page_open(&report, path, "SmartVis: comparison");

@@ -2,6 +2,7 @@
 #include "report/report.h"
 
 #include "base/paths.h"
+#include "base/system.h"
 #include "loop/clipper.h"
 #include "picture/picture.h"
 #include "render/camera.h"
@@ -9,7 +10,6 @@
 #include "show/picture_map.h"
 
 #include <ctype.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,7 +31,7 @@ typedef struct {
 
 static bool hs_eval_save_picture(const hs_picture *picture, const char *folder, const char *name,
                                  hs_error *err) {
-    char path[PATH_MAX];
+    char path[SYS_PATH];
     return hs_path_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
 }
 
@@ -113,7 +113,7 @@ static bool draw_method(hs_eval_comparison *x, uint32_t index, uint32_t method, 
 }
 
 bool hs_eval_compare_pictures(hs_eval_comparison *x, uint32_t index, hs_eval_case *c, hs_error *err) {
-    char folder[PATH_MAX];
+    char folder[SYS_PATH];
     hs_eval_case_release(c);
     bool ok =
         hs_eval_compare_folder(x, index, folder, sizeof folder, err) && hs_path_make_folder(folder, err);
@@ -238,7 +238,7 @@ static bool draw_plain(hs_eval_study *study, uint32_t index, hs_eval_case *c, co
 }
 
 bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err) {
-    char folder[PATH_MAX];
+    char folder[SYS_PATH];
     hs_eval_case c;
     if (!hs_path_join(study->options->out, study->space[index].name, folder, sizeof folder, err) ||
         !hs_path_make_folder(folder, err) || !hs_eval_study_case(study, index, &c, err))

@@ -3,15 +3,15 @@
 
 #include "base/output_file.h"
 #include "base/paths.h"
+#include "base/system.h"
 #include "base/text.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 static bool open_csv(const char *folder, const char *name, hs_output_file *output, hs_error *err) {
-    char path[PATH_MAX];
+    char path[SYS_PATH];
     return hs_path_join(folder, name, path, sizeof path, err) && hs_output_open(output, path, err);
 }
 

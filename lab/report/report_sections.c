@@ -2,10 +2,10 @@
 #include "report/report.h"
 
 #include "base/paths.h"
+#include "base/system.h"
 #include "page/plot.h"
 #include "picture/picture.h"
 
-#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -14,7 +14,7 @@
 void hs_eval_page_show(hs_page *report, const hs_eval_study *study, uint32_t index, const char *name,
                        const char *alt, const char *caption) {
     const bool drawn = strstr(name, "error") || strstr(name, "confidence") || strstr(name, "depthmap");
-    char folder[PATH_MAX], path[PATH_MAX], full_alt[256];
+    char folder[SYS_PATH], path[SYS_PATH], full_alt[256];
     (void)snprintf(full_alt, sizeof full_alt, "%s: %s", study->space[index].name, alt);
     if (hs_path_join(study->options->out, study->space[index].name, folder, sizeof folder, &report->error) &&
         hs_path_join(folder, name, path, sizeof path, &report->error))

@@ -39,8 +39,8 @@ for mode in --guard --no-guard; do
 done
 
 # ---- names that leave the folder
-for name in ../evil /tmp/evil .hidden a/b ''; do
-    sed "s|\"name\": *\"[^\"]*\"|\"name\": \"$name\"|" "$source/data/scenes/E01.json" > evil.json
+for name in ../evil /tmp/evil .hidden a/b '' 'a:b' '..\evil' C:evil NUL nul.txt 'con .x' COM1 lpt9.raw 'CONIN$' 'a.' 'a ' 'a*b'; do
+    sed "s|\"name\": *\"[^\"]*\"|\"name\": \"${name//\\/\\\\\\\\}\"|" "$source/data/scenes/E01.json" > evil.json
     expect 3 "evil.json: name: is '$name', expected a part of a file's name" scenes ./evil.json --export --out out/deep
 done
 holds [ -z "$(find . -name '*evil*.mha')" ]

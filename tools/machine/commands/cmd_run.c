@@ -14,7 +14,6 @@
 
 #include <errno.h>
 #include <jansson.h>
-#include <limits.h>
 #include <string.h>
 
 /* Adds a member. A value that could not be made (no memory, a number that is not finite) fails the whole file
@@ -172,7 +171,7 @@ static bool files_at_hand(const hs_run_line *line, hs_error *err) {
     const char *reference = line->request.reference;
     if (reference && !sys_is_readable(reference))
         return hs_fail(err, HS_ERR_INPUT, "--reference %s: cannot be read: %s", reference, strerror(errno));
-    char plugin[PATH_MAX]; /* a name that was mistyped: thirty frames without it tell nothing */
+    char plugin[SYS_PATH]; /* a name that was mistyped: thirty frames without it tell nothing */
     if (line->request.plugin_path) {
         hs_plugin_find(line->request.plugin_path, plugin, sizeof plugin);
         if (!sys_is_readable(plugin))

@@ -10,7 +10,6 @@
 #include "show/picture_slices.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,7 +64,7 @@ static float *depth_in_mm(const hs_view *view, hs_error *err) {
 
 /* Saves and frees; `made` tells whether the picture is there. */
 static bool save(bool made, hs_picture *picture, const char *folder, const char *name, hs_error *err) {
-    char path[PATH_MAX];
+    char path[SYS_PATH];
     const bool ok =
         made && hs_path_join(folder, name, path, sizeof path, err) && hs_picture_save(picture, path, err);
     if (made) hs_picture_free(picture);
@@ -120,7 +119,7 @@ static bool write_depthmap(const hs_view *view, const char *folder, const char *
 
 /* What an earlier run left under a name that this one has no picture for, is not this one's. */
 static bool leave_out(const char *folder, const char *name, hs_error *err) {
-    char path[PATH_MAX];
+    char path[SYS_PATH];
     if (!hs_path_join(folder, name, path, sizeof path, err)) return false;
     return sys_remove(path) || errno == ENOENT ||
            hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be removed: %s", path, strerror(errno));

@@ -97,8 +97,10 @@ extern char ly_folder[SYS_PATH]; /* the layer's own, with '/' */
 /* Once, before the others are asked. */
 void ly_read_settings(void);
 
-/* A setting's value: of the environment, else of the file smartvis_check.conf beside the layer; or NULL. */
-const char *ly_setting(const char *name);
+/* A setting's value, UTF-8: of the environment, else of the file smartvis_check.conf beside the layer; or
+ * NULL. */
+enum { LY_VALUE = 2 * SYS_PATH };
+const char *ly_setting(const char *name, char value[LY_VALUE]);
 
 /* A setting that is a file: a relative path starts from the working folder, in the settings' file from the
  * layer's own. False if there is none. */

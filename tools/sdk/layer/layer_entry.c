@@ -29,7 +29,9 @@ static void note_trouble(void *context, rule_name name, const char *text) {
 }
 
 static void read_mode(void) {
-    const char *said = ly_setting("SMARTVIS_CHECK"), *ms = ly_setting("SMARTVIS_CHECK_MS");
+    char value[2][LY_VALUE];
+    const char *said = ly_setting("SMARTVIS_CHECK", value[0]),
+               *ms = ly_setting("SMARTVIS_CHECK_MS", value[1]);
     const char *wrong = ly_wrong_line();
     char *end = NULL;
     if (wrong) refuse("check: smartvis_check.conf: '%.100s' is no setting", wrong, NULL);
@@ -197,11 +199,11 @@ static void judge_host(const rule_sink *to, const sv_host *h) {
 /* The recording that is asked for: of the first instance FILE, of the others FILE.2 and so on. */
 static rec *open_record(const sv_host *host) {
     static atomic_uint instances;
-    char path[2 * SYS_PATH], error[2 * SYS_PATH + 200];
+    char path[2 * SYS_PATH], options[LY_VALUE], error[2 * SYS_PATH + 200];
     if (!ly_path("SMARTVIS_RECORD", path, sizeof path - 16)) return NULL;
     const uint32_t number = atomic_fetch_add(&instances, 1) + 1;
     if (number > 1) (void)snprintf(path + strlen(path), 16, ".%u", number);
-    rec *record = rec_open(path, ly_setting("SMARTVIS_RECORD_OPTIONS"), error, sizeof error);
+    rec *record = rec_open(path, ly_setting("SMARTVIS_RECORD_OPTIONS", options), error, sizeof error);
     if (!record && host->log) host->log(host, SV_LOG_WARNING, error);
     return record;
 }
@@ -327,9 +329,10 @@ static const sv_descriptor *SV_CALL ly_descriptor(uint32_t index) {
 }
 
 static sv_status SV_CALL ly_create(const sv_host *host, const char *id, const sv_plugin **out) {
+    char value[LY_VALUE];
     (void)pthread_once(&once, load);
     if (out) *out = NULL;
-    if (inner && mode == OFF && !ly_setting("SMARTVIS_RECORD")) return inner->create(host, id, out);
+    if (inner && mode == OFF && !ly_setting("SMARTVIS_RECORD", value)) return inner->create(host, id, out);
     if (!host || !id || !out) return SV_ERR_ARGUMENT;
     if (host->size < sizeof *host) return SV_ERR_SIZE;
     if (inner) return create_checked(host, id, out);

@@ -34,20 +34,20 @@ const char *ly_wrong_line(void) {
     return NULL;
 }
 
-const char *ly_setting(const char *name) {
+const char *ly_setting(const char *name, char value[LY_VALUE]) {
     const size_t length = strlen(name);
-    const char *value = getenv(name);
-    if (value) return value;
+    if (sys_environment(name, value, LY_VALUE)) return value;
     for (const char *line = settings; line < settings + sizeof settings - 2; line += strlen(line) + 1)
         if (strncmp(line, name, length) == 0 && line[length] == '=') return line + length + 1;
     return NULL;
 }
 
 bool ly_path(const char *name, char *path, size_t bytes) {
-    const bool said = getenv(name) != NULL;
-    const char *value = ly_setting(name);
+    char of_environment[LY_VALUE];
+    const char *value = ly_setting(name, of_environment);
     if (!value) return false;
-    (void)snprintf(path, bytes, "%s%s", sys_is_absolute(value) ? "" : said ? "./" : ly_folder, value);
+    const char *from = value == of_environment ? "./" : ly_folder;
+    (void)snprintf(path, bytes, "%s%s", sys_is_absolute(value) ? "" : from, value);
     return true;
 }
 

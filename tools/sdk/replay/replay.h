@@ -28,6 +28,9 @@ typedef struct {
  * pays for them with its bytes: a file from elsewhere asks for any format and any number of frames. */
 void rp_set_bounds(rp_options *o);
 
+/* Bytes of the recording; 0: it cannot be read. */
+double rp_file_bytes(const rp_options *o);
+
 /* True if an activation whose slabs have so many bytes stays within the bounds, with what the plugin says
  * that it needs; else HS_ERR_INPUT. */
 bool rp_pays(const rp_options *o, const hs_plugin *plugin, const sv_format *format, uint64_t bytes,

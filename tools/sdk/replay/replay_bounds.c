@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+#include "base/system.h"
 #include "plugin/capabilities.h"
 #include "replay/replay.h"
 
-#include <sys/stat.h>
+#include <unistd.h>
 
 #define MIB          1048576.0
 #define FREE_MIB     1024.0 /* that any recording may take: a volume of 512^3, and what a plugin makes of it */
@@ -11,9 +12,15 @@
 #define FREE_S       8.0 /* some hundreds of frames of which the voxels were not kept */
 #define S_FOR_EACH   4.0 /* MiB of the file: more than twice what frames of 128^3 take that hold no voxels */
 
+double rp_file_bytes(const rp_options *o) {
+    const int file = sys_open(o->file, SYS_READ);
+    const off_t bytes = file < 0 ? 0 : lseek(file, 0, SEEK_END);
+    if (file >= 0) (void)close(file);
+    return bytes > 0 ? (double)bytes : 0.0;
+}
+
 void rp_set_bounds(rp_options *o) {
-    struct stat file;
-    const double mib = stat(o->file, &file) == 0 ? (double)file.st_size / MIB : 0.0;
+    const double mib = rp_file_bytes(o) / MIB;
     const double most = FREE_MIB + MIB_FOR_EACH * mib;
     if (o->guard.memory_bytes == 0)
         o->guard.memory_bytes = (uint64_t)((most < MAX_MIB ? most : MAX_MIB) * MIB);

@@ -2,13 +2,13 @@
 /* A recording as a page of its frames; nothing is played. */
 #include "base/output_file.h"
 #include "base/paths.h"
+#include "base/system.h"
 #include "base/text.h"
 #include "plugin/loader.h"
 #include "replay/replay.h"
 #include "show/picture_map.h"
 
 #include <inttypes.h>
-#include <limits.h>
 #include <stdio.h>
 
 enum { MAX_PICTURES = 500 };
@@ -41,7 +41,7 @@ static bool put_picture(page *p, hs_error *err) {
     const sv_format *f = &p->format;
     const size_t rays = (size_t)f->width * f->height;
     const bool mm = f->spacing_mm[2] > 0.0f;
-    char name[32], path[PATH_MAX];
+    char name[32], path[SYS_PATH];
     hs_picture picture = {0};
     if (p->pictures == MAX_PICTURES) return ++p->left_out;
     (void)snprintf(name, sizeof name, "depthmap_%04u.png", p->pictures++);
@@ -98,7 +98,7 @@ static bool put_item(page *p, hs_error *err) {
 
 bool rp_show(const char *file, const char *folder, hs_error *err) {
     static page p;
-    char wrong[1500], path[PATH_MAX];
+    char wrong[1500], path[SYS_PATH];
     int there = -1;
     hs_output_file out = {0};
     rec_reader *reader = rec_reader_open(file, wrong, sizeof wrong);

@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static bool take_set(void *target, const char *text, hs_error *err) {
     rp_options *const o = target;
@@ -77,10 +76,9 @@ static void print_report(const rp_options *o, const rp_report *r, bool whole) {
     if (!r->maps_kept && r->frames) hs_print(stdout, "; the recording holds no voxels and no maps");
     if (!r->fresh && r->frames)
         hs_print(stdout, "; the first frame continues one that is not there, which a plugin may remember");
-    struct stat file;
-    if (r->voxel_bytes > 0 && stat(o->file, &file) == 0)
-        hs_print(stdout, "\n%.1f MB for %.1f MB of voxels", (double)file.st_size * 1e-6,
-                 (double)r->voxel_bytes * 1e-6);
+    const double bytes = rp_file_bytes(o);
+    if (r->voxel_bytes > 0 && bytes > 0.0)
+        hs_print(stdout, "\n%.1f MB for %.1f MB of voxels", bytes * 1e-6, (double)r->voxel_bytes * 1e-6);
     hs_print(stdout, "\n%.1f ms in begin, slab and end, recorded %.1f ms\n", r->ms, r->recorded_ms);
     for (uint32_t i = 0; i < r->differences && i < RP_MAX_TOLD; i++) hs_print(stdout, "%s\n", r->told[i]);
     if (r->differences > RP_MAX_TOLD) hs_print(stdout, "and %u more\n", r->differences - RP_MAX_TOLD);
