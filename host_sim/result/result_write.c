@@ -24,7 +24,9 @@ struct hs_result_voxels {
     uint8_t fill[8];
     double fill_value;
     hs_met_voxels *file;
-    uint32_t frame;        /* of the file, invalid ones included, that comes next */
+    uint32_t frame; /* of the file, invalid ones included, that comes next, */
+    uint64_t at;    /* and its next voxel */
+    hs_met_room room;
     const uint8_t *memory; /* the volume's next voxel */
 };
 
@@ -66,21 +68,19 @@ bool hs_result_voxels_turn(hs_result_voxels *v, uint32_t index) {
     const hs_source_origin *origin = hs_source_origin_of(v->source, index);
     if (origin->index == 0 && !open_file(v, index)) return false;
     const hs_met_header *h = hs_met_voxels_header(v->file);
-    for (; v->frame < h->frames && is_invalid(h, v->frame); v->frame++)
-        if (!hs_met_voxels_skip(v->file, volume_voxels(v))) return false;
+    while (v->frame < h->frames && is_invalid(h, v->frame)) v->frame++;
     if (v->frame == h->frames)
         return hs_fail(v->err, HS_ERR_INPUT, "%s: has fewer volumes than before: the file changed",
                        origin->path);
-    v->frame++;
+    v->at = v->frame++ * (uint64_t)volume_voxels(v);
     return true;
 }
 
 const uint8_t *hs_result_voxels_next(hs_result_voxels *v, size_t count) {
-    const uint8_t *bytes = v->memory;
-    if (!v->from_files)
-        v->memory += count;
-    else if (!hs_met_voxels_read(v->file, count, &bytes))
-        return NULL;
+    const uint8_t *bytes = v->from_files ? v->room.raw : v->memory;
+    if (!v->from_files) v->memory += count;
+    if (v->from_files && !hs_met_voxels_read_at(v->file, v->at, count, &v->room, v->err)) return NULL;
+    v->at += count;
     return bytes;
 }
 
@@ -92,13 +92,12 @@ static bool find_fill(hs_result_voxels *v) {
         if (!hs_result_voxels_turn(v, index)) return false;
         for (size_t first = 0; first < count; first += HS_MET_CHUNK) {
             const size_t n = count - first < HS_MET_CHUNK ? count - first : HS_MET_CHUNK;
-            const uint8_t *raw;
-            const double *value = hs_met_voxels_read(v->file, n, &raw);
-            if (!value) return false;
+            if (!hs_result_voxels_next(v, n)) return false;
             for (size_t i = 0; i < n; i++) {
-                if (!(value[i] < v->fill_value) || !isfinite(value[i])) continue;
-                v->fill_value = value[i];
-                memcpy(v->fill, raw + i * width, width);
+                const double value = v->room.value[i];
+                if (!(value < v->fill_value) || !isfinite(value)) continue;
+                v->fill_value = value;
+                memcpy(v->fill, v->room.raw + i * width, width);
             }
         }
     }

@@ -60,7 +60,7 @@ typedef struct {
     bool has_spacing; /* `spacing`, mm, instead of what the file says or does not say */
     double spacing[3];
     const char *scanned[2]; /* MetaImage files of a map each: first scanned slice, first one behind the scan
-                               (hs_scanned_maps_apply). Range and padding are theirs then. NULL: none */
+                               (hs_scanned_maps_load). Range and padding are theirs then. NULL: none */
 } hs_metaimage_options;
 
 /*
@@ -129,13 +129,9 @@ float *hs_metaimage_load_map(const char *path, uint32_t nx, uint32_t ny, hs_erro
  * scanned become 1 (hs_volume). `first` and `end` are MetaImage files of nx x ny x 1 whole numbers, 0 .. nz;
  * first >= end means that nothing was scanned there.
  *
- * HS_ERR_INPUT names the file, the pixel and the value that does not fit; HS_ERR_MEMORY. The volume is then
- * unchanged.
+ * Both maps, one behind the other, which the caller frees; NULL on failure: HS_ERR_INPUT names the file, the
+ * pixel and the value that does not fit; HS_ERR_MEMORY. And what they do to a volume of their size.
  */
-bool hs_scanned_maps_apply(hs_volume *volume, const char *first, const char *end, hs_error *err);
-
-/* The same in two steps: both maps, one behind the other, which the caller frees (NULL on failure), and what
- * they do to a volume of their size. */
 double *hs_scanned_maps_load(const hs_volume *shape, const char *first, const char *end, hs_error *err);
 void hs_scanned_maps_mark(hs_volume *volume, const double *maps);
 

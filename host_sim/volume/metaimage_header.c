@@ -316,8 +316,3 @@ bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) 
     hs_met_text_free(&text);
     return ok;
 }
-
-void hs_met_header_free(hs_met_header *header) {
-    free(header->fields);
-    header->fields = NULL;
-}

@@ -11,39 +11,31 @@ bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *v
     hs_met_voxels *voxels = hs_met_voxels_open(path, err);
     if (!voxels) return false;
     const hs_met_header *h = hs_met_voxels_header(voxels);
-    bool ok = true;
-    if (h->size[0] != nx || h->size[1] != ny || h->size[2] != 1 || h->frames != 1)
-        ok = hs_fail(err, HS_ERR_INPUT, "%s:%u: DimSize is %s, expected %u %u 1", path, h->dim_line,
-                     h->size_text, nx, ny);
     const size_t count = (size_t)nx * ny;
+    hs_met_room room;
+    bool ok = (h->size[0] == nx && h->size[1] == ny && h->size[2] == 1 && h->frames == 1) ||
+              hs_fail(err, HS_ERR_INPUT, "%s:%u: DimSize is %s, expected %u %u 1", path, h->dim_line,
+                      h->size_text, nx, ny);
     for (size_t first = 0; ok && first < count; first += HS_MET_CHUNK) {
         const size_t n = count - first < HS_MET_CHUNK ? count - first : HS_MET_CHUNK;
-        const double *value = hs_met_voxels_read(voxels, n, NULL);
-        ok = value != NULL;
-        if (ok) memcpy(values + first, value, n * sizeof *values);
+        ok = hs_met_voxels_read_at(voxels, first, n, &room, err);
+        if (ok) memcpy(values + first, room.value, n * sizeof *values);
     }
-    ok = ok && hs_met_voxels_finish(voxels);
+    ok = ok && hs_met_voxels_finish(voxels, err);
     hs_met_voxels_close(voxels);
     return ok;
 }
 
-static bool to_floats(const char *path, const double *values, size_t count, float *out, hs_error *err) {
-    for (size_t i = 0; i < count; i++) {
-        out[i] = (float)values[i];
-        if (!isfinite(out[i]))
-            return hs_fail(err, HS_ERR_INPUT, "%s: value %zu is %g, expected a finite float32", path, i,
-                           values[i]);
-    }
-    return true;
-}
-
 float *hs_metaimage_load_map(const char *path, uint32_t nx, uint32_t ny, hs_error *err) {
     const size_t count = (size_t)nx * ny;
-    double *values = calloc(count, sizeof *values);
-    float *map = calloc(count, sizeof *map);
-    const bool ok =
-        ((values && map) || hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu pixels", path, count)) &&
-        hs_metaimage_read_map(path, nx, ny, values, err) && to_floats(path, values, count, map, err);
+    double *values = hs_memory(count, sizeof *values, path, err);
+    float *map = values ? hs_memory(count, sizeof *map, path, err) : NULL;
+    bool ok = map && hs_metaimage_read_map(path, nx, ny, values, err);
+    for (size_t i = 0; ok && i < count; i++) {
+        map[i] = (float)values[i];
+        ok = isfinite(map[i]) ||
+             hs_fail(err, HS_ERR_INPUT, "%s: value %zu is %g, expected a finite float32", path, i, values[i]);
+    }
     free(values);
     if (ok) return map;
     free(map);
@@ -86,11 +78,4 @@ double *hs_scanned_maps_load(const hs_volume *shape, const char *first, const ch
         return maps;
     free(maps);
     return NULL;
-}
-
-bool hs_scanned_maps_apply(hs_volume *volume, const char *first, const char *end, hs_error *err) {
-    double *maps = hs_scanned_maps_load(volume, first, end, err);
-    if (maps) hs_scanned_maps_mark(volume, maps);
-    free(maps);
-    return maps != NULL;
 }

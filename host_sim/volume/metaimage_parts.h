@@ -127,67 +127,32 @@ typedef struct {
     unsigned dim_line, compressed_size_line, header_size_line, data_line;
 } hs_met_header;
 
-/* Reads and checks the header of `path`. Errors as in hs_metaimage_read. Free it either way. */
+/* Reads and checks the header of `path`. Errors as in hs_metaimage_read. `fields` is the caller's either way.
+ */
 bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err);
-void hs_met_header_free(hs_met_header *header);
-
-typedef struct hs_met_data hs_met_data;
-
-/* Opens the data file and checks its size against the header, before any voxel is allocated. `path` is the
- * header's file; it and `header` must outlive the stream. NULL on failure. */
-hs_met_data *hs_met_data_open(const char *path, const hs_met_header *header, hs_error *err);
-
-/* To byte `offset` of the voxels, 0 .. their number. Compressed data knows one way only: forward costs the
- * inflating of what is passed over, backward that of all from the first byte on. */
-bool hs_met_data_seek(hs_met_data *data, uint64_t offset, hs_error *err);
-
-/* Reads the next `bytes` bytes. */
-bool hs_met_data_read(hs_met_data *data, void *out, size_t bytes, hs_error *err);
-
-/* `bytes` bytes from byte `offset` of the voxels on, of data that is not compressed: straight from the file
- * to `out`. Any number of threads at a time; the stream stays where it is. */
-bool hs_met_data_read_at(const hs_met_data *data, uint64_t offset, void *out, size_t bytes, hs_error *err);
-
-/* Succeeds if the stream ends here, as it should after the last voxel. */
-bool hs_met_data_finish(hs_met_data *data, hs_error *err);
-
-/* Closes what is open; NULL is allowed. */
-void hs_met_data_close(hs_met_data *data);
 
 enum { HS_MET_CHUNK = 8192 }; /* voxels that are read at once, at most */
 
 typedef struct hs_met_voxels hs_met_voxels;
 
-/* Opens the file and checks all that can be checked before a voxel is read. `err` must outlive the stream and
- * receives the errors of all functions below, unless _report_to names another. NULL on failure. */
+/* Opens the file and checks all that can be checked before a voxel is read; `path` must outlive it. NULL on
+ * failure. */
 hs_met_voxels *hs_met_voxels_open(const char *path, hs_error *err);
 void hs_met_voxels_close(hs_met_voxels *voxels); /* NULL is allowed */
 
 /* From now on NaN and -inf are values, too: of what was not scanned. */
 void hs_met_voxels_allow_gaps(hs_met_voxels *voxels);
 
-void hs_met_voxels_report_to(hs_met_voxels *voxels, hs_error *err);
-
 const hs_met_header *hs_met_voxels_header(const hs_met_voxels *voxels);
-
-/* The next `count` voxels, at most HS_MET_CHUNK: as numbers, all finite; and, unless `raw` is NULL, as bytes
- * of the file's type in this machine's order. Both are the stream's, until the next call. NULL on failure. */
-const double *hs_met_voxels_read(hs_met_voxels *voxels, size_t count, const uint8_t **raw);
-
-/* Passes over the next `count` voxels, whatever they hold. */
-bool hs_met_voxels_skip(hs_met_voxels *voxels, size_t count);
-
-/* To voxel `at`, counted from the file's first; what it costs says hs_met_data_seek. */
-bool hs_met_voxels_seek(hs_met_voxels *voxels, uint64_t at);
 
 /* Numbers from bytes of the type in this machine's order. */
 void hs_met_decode(hs_met_type type, const uint8_t *raw, size_t count, double *value);
 
 /*
  * From voxel `at` on, wherever the stream is: as bytes, of a file whose type has one byte; as numbers, all
- * finite, at most HS_MET_CHUNK of them, into a room of the caller's; and of those only the bytes, in this
- * machine's order, into room->raw. hs_met_voxels_threads may do so at a time, each with a room of its own; if
- * that is one, data is compressed, and what is asked for in order is inflated once.
+ * finite, at most HS_MET_CHUNK of them, into a room of the caller's, with their bytes in this machine's
+ * order; and of those only the bytes. hs_met_voxels_threads may do so at a time, each with a room of its own;
+ * if that is one, data is compressed, and what is asked for in order is inflated once.
  */
 typedef struct {
     uint8_t raw[HS_MET_CHUNK * 8];
@@ -199,7 +164,7 @@ bool hs_met_voxels_read_at(hs_met_voxels *voxels, uint64_t at, size_t count, hs_
 bool hs_met_voxels_raw_at(hs_met_voxels *voxels, uint64_t at, size_t count, hs_met_room *room, hs_error *err);
 uint32_t hs_met_voxels_threads(const hs_met_voxels *voxels);
 
-/* Succeeds if all voxels have been read and nothing follows. */
-bool hs_met_voxels_finish(hs_met_voxels *voxels);
+/* Succeeds if nothing follows the last voxel. What compressed data has before it is inflated for that. */
+bool hs_met_voxels_finish(hs_met_voxels *voxels, hs_error *err);
 
 #endif

@@ -48,12 +48,6 @@ static size_t chunk_of(size_t left) {
     return left < HS_MET_CHUNK ? left : HS_MET_CHUNK;
 }
 
-/* Behind the file's last voxel nothing must follow. */
-static bool reach_end(hs_metaimage *m) {
-    return hs_met_voxels_seek(m->voxels, (uint64_t)m->header->frames * volume_voxels(m->header)) &&
-           hs_met_voxels_finish(m->voxels);
-}
-
 /* ------------------------------------------------------------------------------------------ the range -- */
 
 /* One pass over the voxels of a volume; blocks of them come in any order. */
@@ -120,7 +114,7 @@ static bool find_range(hs_metaimage *m) {
                              search_block, &s, m->err);
     }
     (void)pthread_mutex_destroy(&s.lock);
-    if (!ok || !reach_end(m)) return false;
+    if (!ok || !hs_met_voxels_finish(m->voxels, m->err)) return false;
     m->levels = s.found;
     if (m->options.has_window) {
         m->levels.low = m->options.window_low;
@@ -307,7 +301,7 @@ static bool fill(hs_metaimage *m, uint32_t index, hs_volume *out) {
     const bool ok = hs_volume_fill(out, threads, read_piece, &r, m->err) &&
                     (!guess || hs_levels_mark_unscanned(&m->levels, out, m->err));
     if (ok && m->maps) hs_scanned_maps_mark(out, m->maps);
-    return ok && (index + 1 < m->valid || reach_end(m));
+    return ok && (index + 1 < m->valid || hs_met_voxels_finish(m->voxels, m->err));
 }
 
 static bool read_volume(hs_metaimage *m, uint32_t index, hs_volume *volume) {
@@ -320,7 +314,6 @@ static bool read_volume(hs_metaimage *m, uint32_t index, hs_volume *volume) {
 
 bool hs_metaimage_read_at(hs_metaimage *file, uint32_t index, hs_volume *volume, hs_error *err) {
     file->err = err;
-    hs_met_voxels_report_to(file->voxels, err);
     return read_volume(file, index, volume);
 }
 

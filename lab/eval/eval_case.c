@@ -120,9 +120,14 @@ static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_err
         !hs_metaimage_read(part[LABEL], &as_it_is, &s->given_label, err) ||
         !check_label(volume, &s->given_label, part[LABEL], err))
         return false;
-    if (ranged && (!check_scanned(volume, &s->given_label, part, err) ||
-                   !hs_scanned_maps_apply(&s->given_truth, part[FIRST], part[END], err)))
-        return false;
+    if (ranged) {
+        double *maps = check_scanned(volume, &s->given_label, part, err)
+                           ? hs_scanned_maps_load(&s->given_truth, part[FIRST], part[END], err)
+                           : NULL;
+        if (!maps) return false;
+        hs_scanned_maps_mark(&s->given_truth, maps);
+        free(maps);
+    }
     s->label = s->given_label.voxels;
     note_doubts(volume, s->doubt, sizeof s->doubt);
     return hs_source_set_truth(&s->source, &s->given_truth, err);

@@ -15,7 +15,7 @@ typedef struct {
     /* A built-in scene, a scene file, or "FULL,TRUTH,LABEL[,FIRST,END]": files. FULL and TRUTH are volumes of
      * the same size and spacing, MetaImage or Kretz, of which the Cartesian copy counts; LABEL is MetaImage,
      * and has one slice of as many columns, with HS_LABEL_* in it. FIRST and END, for MetaImage volumes, are
-     * maps of what was scanned of every ray (hs_scanned_maps_apply) with FIRST <= END; a ray with a label has
+     * maps of what was scanned of every ray (hs_scanned_maps_load) with FIRST <= END; a ray with a label has
      * FIRST < END. Without them the zeros of FULL tell, as HS_PADDING_AUTO reads them. */
     const char *name;
     uint32_t size;             /* voxels per axis of a scene */
