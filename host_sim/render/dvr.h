@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The host's direct volume renderer: orthographic, front to back, early ray termination, ghosting (spec 5).
- * What follows defines the thesis' look and the ends of rays; dvr_looks.c draws the lit one.
+ * What follows defines the thesis' look and the ends of rays; docs/rendering.md the lit one.
  *
  * SAMPLES. The box' depth is divided into S = round(depth_extent / finest spacing) source slices, 1 at least.
  * Sample n of a ray stands at (n + 0.5) * step slices from the front of the box, n = 0 .. steps - 1, with

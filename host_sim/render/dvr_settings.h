@@ -8,7 +8,7 @@
 #include <math.h>
 
 /* HS_LOOK_THESIS: Eq. 3.22 - 3.24 (dvr.h), what all measures use. HS_LOOK_LIT: a smooth surface in light
- * (dvr_looks.c), for pictures. */
+ * (docs/rendering.md), for pictures. */
 typedef enum { HS_LOOK_THESIS, HS_LOOK_LIT, HS_LOOK_COUNT } hs_look;
 
 /* "thesis", "lit": for command lines and files. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Light on a surface (host_sim/render/dvr_looks.h): normals, the clipping surface's own normal, ambient
+ * Light on a surface (host_sim/render/dvr.c): normals, the clipping surface's own normal, ambient
  * occlusion and shadow from the coarse opacities, and the colour of it all. Directions are in camera
  * coordinates: x right, y down, z away from the viewer.
  */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The lit look (host_sim/render/dvr_looks.h): a surface a ray, lit, with a veil of what is ghosted before
+/* The lit look (host_sim/render/dvr.c): a surface a ray, lit, with a veil of what is ghosted before
  * it. */
 #define VEIL_OPACITY 0.35f /* of the thickest veil: what lies behind stays readable */
 #define CUT_REACH    6.0f  /* samples behind the clipping surface in which a cut fades out */
