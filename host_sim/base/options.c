@@ -74,8 +74,9 @@ void hs_options_print(const hs_option *known) {
         }
         int indent = COLUMN - printf("  --%s%s%s", known->name, known->value ? " " : "",
                                      known->value ? known->value : "");
-        for (const char *line = known->help, *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
-            printf("%*s%.*s\n", indent > 0 ? indent : 2, "", (int)(end - line), line);
+        for (const char *line = known->help; line; line = strchr(line, '\n')) {
+            line += *line == '\n';
+            printf("%*s%.*s\n", indent > 0 ? indent : 2, "", (int)strcspn(line, "\n"), line);
             indent = COLUMN;
         }
     }

@@ -22,15 +22,28 @@ typedef enum {
 typedef struct {
     const char *name;
     const char *value; /* what help calls it; NULL: the option has none */
-    const char *help;  /* lines, each ended by a newline */
+    const char *help;  /* lines, with newlines between them */
     hs_option_type type;
     size_t at; /* the target's place in the options */
     double low, high;
     bool (*take)(void *target, const char *text, hs_error *err);
 } hs_option;
 
+/* Rows of a table, which the last one ends. */
+#define HS_FLAG(name, at, help)                                                                              \
+    { name, NULL, help, HS_OPTION_FLAG, at, 0, 0, NULL }
+#define HS_TEXT(name, value, at, help)                                                                       \
+    { name, value, help, HS_OPTION_TEXT, at, 0, 0, NULL }
+#define HS_CHOICE(name, at, choice, help)                                                                    \
+    { name, NULL, help, HS_OPTION_CHOICE, at, choice, 0, NULL }
+#define HS_TAKEN(name, value, at, take, help)                                                                \
+    { name, value, help, HS_OPTION_TAKEN, at, 0, 0, take }
+#define HS_IN(type, name, value, at, l, h, help)                                                             \
+    { name, value, help, HS_OPTION_##type, at, l, h, NULL }
 #define HS_OPTIONS_GROUP(heading)                                                                            \
     { heading, NULL, NULL, HS_OPTION_GROUP, 0, 0, 0, NULL }
+#define HS_OPTIONS_END                                                                                       \
+    { NULL, NULL, NULL, HS_OPTION_GROUP, 0, 0, 0, NULL }
 
 /* Reads a command line by a list that ends with a name of NULL, and knows --help, too: true with `wants_help`
  * as soon as it is asked for. *next is the index of the first argument that is no option. HS_ERR_USAGE names

@@ -36,28 +36,13 @@ const char *hs_guard_program(void);
 #define HS_GUARD_ROWS(at)                                                                                    \
     HS_OPTIONS_GROUP(                                                                                        \
         "The guard (the plugin runs in a process of its own; whatever it does, the host goes on):"),         \
-        {"guard",                                                                                            \
-         NULL,                                                                                               \
-         "any plugin [every library but the host's own smartvis.so]\n",                                      \
-         HS_OPTION_CHOICE,                                                                                   \
-         (at) + offsetof(hs_guard_options, choice),                                                          \
-         HS_GUARD_ON,                                                                                        \
-         0,                                                                                                  \
-         NULL},                                                                                              \
-        {"no-guard",   NULL, "none\n", HS_OPTION_CHOICE, (at) + offsetof(hs_guard_options, choice),          \
-         HS_GUARD_OFF, 0,    NULL},                                                                          \
-        {"guard-time",                                                                                       \
-         "S[,S]",                                                                                            \
-         "seconds a call of a frame may take, and any other call [5,60]\n",                                  \
-         HS_OPTION_TAKEN,                                                                                    \
-         at,                                                                                                 \
-         0,                                                                                                  \
-         0,                                                                                                  \
-         hs_guard_take_time},                                                                                \
-    {                                                                                                        \
-        "guard-memory", "MIB", "memory that the plugin's process may take [4096]\n", HS_OPTION_TAKEN, at, 0, \
-            0, hs_guard_take_memory                                                                          \
-    }
+        HS_CHOICE("guard", (at) + offsetof(hs_guard_options, choice), HS_GUARD_ON,                           \
+                  "any plugin [every library but the host's own smartvis.so]"),                              \
+        HS_CHOICE("no-guard", (at) + offsetof(hs_guard_options, choice), HS_GUARD_OFF, "none"),              \
+        HS_TAKEN("guard-time", "S[,S]", at, hs_guard_take_time,                                              \
+                 "seconds a call of a frame may take, and any other call [5,60]"),                           \
+        HS_TAKEN("guard-memory", "MIB", at, hs_guard_take_memory,                                            \
+                 "memory that the plugin's process may take [4096]")
 bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err);
 bool hs_guard_take_memory(void *guard_options, const char *text, hs_error *err);
 

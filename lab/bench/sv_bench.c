@@ -105,33 +105,27 @@ static bool take_size(void *all, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(options, field)
 static const hs_option known[] = {
-    {"plugin", "PATH", "plugin library (default: smartvis.so beside this program)\n", HS_OPTION_TEXT,
-     AT(plugin), 0, 0, NULL},
-    {"id", "ID", "the library's plugin of that id (default: its first)\n", HS_OPTION_TEXT, AT(id), 0, 0,
-     NULL},
-    {"only", "PART",
-     "'plugin' (the default), or 'worst': 10000 frames of each combination, as the plugin\n"
-     "stands\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_part},
-    {"size", "N", "volumes of N voxels an axis only: 128, 171 or 512; may be repeated\n", HS_OPTION_TAKEN, 0,
-     0, 0, take_size},
-    {"slab", "N", "slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, 0)\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_slab},
-    {"route", "NAME",
-     "how slabs get to the plugin; may be repeated (default: all)\n"
-     "  place-own    host memory, read in place; the plugin's own queue\n"
-     "  place-host   host memory, read in place; the host's queue\n"
-     "  copy-own     host memory, copied; the plugin's own queue\n"
-     "  copy-host    host memory, copied; the host's queue\n"
-     "  buffer-host  OpenCL buffer; the host's queue\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_route},
-    {"frames", "N", "timed frames of each combination (default 100; of 'worst' 10000)\n", HS_OPTION_COUNT,
-     AT(frames), 1, 100000, NULL},
-    {"quick", NULL, "20 frames; slabs of 32; routes place-own and buffer-host\n", HS_OPTION_TAKEN, 0, 0, 0,
-     take_quick},
+    HS_TEXT("plugin", "PATH", AT(plugin), "plugin library (default: smartvis.so beside this program)"),
+    HS_TEXT("id", "ID", AT(id), "the library's plugin of that id (default: its first)"),
+    HS_TAKEN("only", "PART", 0, take_part,
+             "'plugin' (the default), or 'worst': 10000 frames of each combination, as the plugin\n"
+             "stands"),
+    HS_TAKEN("size", "N", 0, take_size, "volumes of N voxels an axis only: 128, 171 or 512; may be repeated"),
+    HS_TAKEN("slab", "N", 0, take_slab,
+             "slices of a slab, 0 for the whole volume in one; may be repeated (default: 16, 32, 0)"),
+    HS_TAKEN("route", "NAME", 0, take_route,
+             "how slabs get to the plugin; may be repeated (default: all)\n"
+             "  place-own    host memory, read in place; the plugin's own queue\n"
+             "  place-host   host memory, read in place; the host's queue\n"
+             "  copy-own     host memory, copied; the plugin's own queue\n"
+             "  copy-host    host memory, copied; the host's queue\n"
+             "  buffer-host  OpenCL buffer; the host's queue"),
+    HS_IN(COUNT, "frames", "N", AT(frames), 1, 100000,
+          "timed frames of each combination (default 100; of 'worst' 10000)"),
+    HS_TAKEN("quick", NULL, 0, take_quick, "20 frames; slabs of 32; routes place-own and buffer-host"),
     HS_GUARD_ROWS(AT(guard)),
-    {"version", NULL, "versions of this program and of the ABI\n", HS_OPTION_FLAG, AT(version), 0, 0, NULL},
-    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+    HS_FLAG("version", AT(version), "versions of this program and of the ABI"),
+    HS_OPTIONS_END,
 };
 
 static void print_help(void) {

@@ -110,38 +110,33 @@ static bool take_tilt(void *all, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(judge_request, field)
 static const hs_option options[] = {
-    {"scenes", "SEED,POSE", "the nine scenes at 128^3 [201,0]\n", HS_OPTION_TAKEN, 0, 0, 0, take_scenes},
-    {"scene", "NAME", "one scene by name or file, at 128^3: H01, or R7_3, number 3 of the random set 7\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_scene},
-    {"random", "SEED,COUNT", "the first random scenes of a set, at 128^3; all scenes together are one site\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_random},
-    {"greys", "SEED,COUNT",
-     "the same scenes in random greys, an echo of its own for every tissue but fluid\n", HS_OPTION_TAKEN, 0,
-     0, 0, take_greys},
-    {"site", "FOLDER",
-     "every NAME_full.mha there, with NAME_truth, NAME_label, NAME_first and NAME_end.mha, or scan_first\n"
-     "and scan_end.mha for all\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_site},
-    {"case", "FILES", "FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all are one site\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_case},
-    {"volume", "FILE",
-     "harm, scans: a volume that nothing hides, MetaImage; scans, marks: one with FILE_label.mha "
-     "beside it;\nwall: its verdict\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_volume},
-    {"method", "SETTINGS",
-     "'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q\n"
-     "[best method=mean; method=wall]\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_method},
-    {"set", "KEY=VALUE",
-     "wall: another value of a constant, a field of sv_wall_settings; or gain, gamma, black:\n"
-     "change the grey levels first, the judgement is on the unchanged ones; near_slices,\n"
-     "near_gain, near_black: so many first scanned slices only; beams=1: tell the beams\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_constant},
-    {"tilt", "X,Y", "wall: turn the camera by so many degrees about x and then y first\n", HS_OPTION_TAKEN, 0,
-     0, 0, take_tilt},
-    {"plugin", "PATH", "library to judge [the build's smartvis.so]\n", HS_OPTION_TEXT, AT(methods.plugin), 0,
-     0, NULL},
-    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+    HS_TAKEN("scenes", "SEED,POSE", 0, take_scenes, "the nine scenes at 128^3 [201,0]"),
+    HS_TAKEN("scene", "NAME", 0, take_scene,
+             "one scene by name or file, at 128^3: H01, or R7_3, number 3 of the random set 7"),
+    HS_TAKEN("random", "SEED,COUNT", 0, take_random,
+             "the first random scenes of a set, at 128^3; all scenes together are one site"),
+    HS_TAKEN("greys", "SEED,COUNT", 0, take_greys,
+             "the same scenes in random greys, an echo of its own for every tissue but fluid"),
+    HS_TAKEN(
+        "site", "FOLDER", 0, take_site,
+        "every NAME_full.mha there, with NAME_truth, NAME_label, NAME_first and NAME_end.mha, or scan_first\n"
+        "and scan_end.mha for all"),
+    HS_TAKEN("case", "FILES", 0, take_case,
+             "FULL,TRUTH,LABEL[,FIRST,END] as host_sim report takes them; all are one site"),
+    HS_TAKEN("volume", "FILE", 0, take_volume,
+             "harm, scans: a volume that nothing hides, MetaImage; scans, marks: one with FILE_label.mha "
+             "beside it;\nwall: its verdict"),
+    HS_TAKEN("method", "SETTINGS", 0, take_method,
+             "'KEY=VALUE ...', or 'best KEY=VALUE ...' at its best single q\n"
+             "[best method=mean; method=wall]"),
+    HS_TAKEN("set", "KEY=VALUE", 0, take_constant,
+             "wall: another value of a constant, a field of sv_wall_settings; or gain, gamma, black:\n"
+             "change the grey levels first, the judgement is on the unchanged ones; near_slices,\n"
+             "near_gain, near_black: so many first scanned slices only; beams=1: tell the beams"),
+    HS_TAKEN("tilt", "X,Y", 0, take_tilt,
+             "wall: turn the camera by so many degrees about x and then y first"),
+    HS_TEXT("plugin", "PATH", AT(methods.plugin), "library to judge [the build's smartvis.so]"),
+    HS_OPTIONS_END,
 };
 
 static void print_help(void) {

@@ -276,22 +276,18 @@ static bool take_look(void *drawing, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(demo, field)
 static const hs_option options[] = {
-    {"out", "DIR", "folder for the pictures and the page [out/demo]\n", HS_OPTION_TEXT, AT(out), 0, 0, NULL},
-    {"data", "DIR",
-     "also runs the volumes of this folder (.mha, .mhd, .vol), four at most, and\n"
-     "first real/fetus_12w.mha in it\n",
-     HS_OPTION_TEXT, AT(data), 0, 0, NULL},
-    {"plugin", "PATH", "library to load, a path or a name [smartvis]\n", HS_OPTION_TEXT, AT(plugin), 0, 0,
-     NULL},
-    {"quick", NULL, "smaller scenes and fewer frames\n", HS_OPTION_FLAG, AT(quick), 0, 0, NULL},
-    {"picture", "N", "every picture is N x N pixels, 64 .. 1024 [512]\n", HS_OPTION_COUNT, AT(picture), 64,
-     1024, NULL},
-    {"look", "NAME", "how pictures are drawn: thesis or lit [lit]\n", HS_OPTION_TAKEN, AT(drawing), 0, 0,
-     take_look},
-    {"light", "AZ,EL", "where the lamp of the lit look is, degrees: right, up [-35,40]\n", HS_OPTION_TAKEN,
-     AT(drawing.dvr.light), 0, 0, hs_look_line_light},
+    HS_TEXT("out", "DIR", AT(out), "folder for the pictures and the page [out/demo]"),
+    HS_TEXT("data", "DIR", AT(data),
+            "also runs the volumes of this folder (.mha, .mhd, .vol), four at most, and\n"
+            "first real/fetus_12w.mha in it"),
+    HS_TEXT("plugin", "PATH", AT(plugin), "library to load, a path or a name [smartvis]"),
+    HS_FLAG("quick", AT(quick), "smaller scenes and fewer frames"),
+    HS_IN(COUNT, "picture", "N", AT(picture), 64, 1024, "every picture is N x N pixels, 64 .. 1024 [512]"),
+    HS_TAKEN("look", "NAME", AT(drawing), take_look, "how pictures are drawn: thesis or lit [lit]"),
+    HS_TAKEN("light", "AZ,EL", AT(drawing.dvr.light), hs_look_line_light,
+             "where the lamp of the lit look is, degrees: right, up [-35,40]"),
     HS_GUARD_ROWS(AT(guard)),
-    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+    HS_OPTIONS_END,
 };
 
 static bool parse(int argc, char **argv, demo *d, hs_error *err) {

@@ -21,17 +21,15 @@ typedef struct {
 
 #define AT(field) offsetof(request, of.field)
 static const hs_option options[] = {
-    {"case", "NAME",
-     "a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END]\n"
-     "(see 'host_sim report --help') [D01]\n",
-     HS_OPTION_TEXT, AT(name), 0, 0, NULL},
-    {"real", "FILE", "the volume of the scene 'real'\n", HS_OPTION_TEXT, AT(real), 0, 0, NULL},
-    {"size", "N", "voxels per axis of a scene, 32 .. 512 [384]\n", HS_OPTION_COUNT, AT(size), 32, 512, NULL},
+    HS_TEXT("case", "NAME", AT(name),
+            "a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END]\n"
+            "(see 'host_sim report --help') [D01]"),
+    HS_TEXT("real", "FILE", AT(real), "the volume of the scene 'real'"),
+    HS_IN(COUNT, "size", "N", AT(size), 32, 512, "voxels per axis of a scene, 32 .. 512 [384]"),
     HS_SOURCE_ROWS(AT(read)),
-    {"lowres", "N", "pixels per axis of the maps [as in run: 128 of 384]\n", HS_OPTION_COUNT, AT(lowres), 8,
-     1024, NULL},
-    {"seed", "N", "seed of the scene; 0 is its own [0]\n", HS_OPTION_WHOLE, AT(seed), 0, 0, NULL},
-    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+    HS_IN(COUNT, "lowres", "N", AT(lowres), 8, 1024, "pixels per axis of the maps [as in run: 128 of 384]"),
+    HS_IN(WHOLE, "seed", "N", AT(seed), 0, 0, "seed of the scene; 0 is its own [0]"),
+    HS_OPTIONS_END,
 };
 
 static void print_help(void) {

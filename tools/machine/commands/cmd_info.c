@@ -136,15 +136,15 @@ static bool print_file(const char *path, const request *r, hs_error *err) {
 
 #define AT(field) offsetof(request, field)
 static const hs_option options[] = {
-    {"mirror", NULL, "Kretz files: positive sweep angles lie at +y (default: at -y)\n", HS_OPTION_FLAG,
-     AT(files.kretz.mirrored), 0, 0, NULL},
+    HS_FLAG("mirror", AT(files.kretz.mirrored),
+            "Kretz files: positive sweep angles lie at +y (default: at -y)"),
     HS_SOURCE_SPACING_ROW(AT(files)),
-    {"probe", "FACE", HS_SOURCE_PROBE_HELP, HS_OPTION_TAKEN, AT(files.metaimage), 0, 0, hs_source_take_probe},
-    {"number", "N", "volume N of a sequence, 1 is the first (default: all are read, the first is told)\n",
-     HS_OPTION_COUNT, AT(number), 1, 65536, NULL},
-    {"cartesian", "FILE.mha", "Kretz files: writes the Cartesian copy of that volume; of one FILE only\n",
-     HS_OPTION_TEXT, AT(cartesian), 0, 0, NULL},
-    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+    HS_SOURCE_PROBE_ROW(AT(files.metaimage)),
+    HS_IN(COUNT, "number", "N", AT(number), 1, 65536,
+          "volume N of a sequence, 1 is the first (default: all are read, the first is told)"),
+    HS_TEXT("cartesian", "FILE.mha", AT(cartesian),
+            "Kretz files: writes the Cartesian copy of that volume; of one FILE only"),
+    HS_OPTIONS_END,
 };
 
 static void print_help(void) {

@@ -224,13 +224,12 @@ static bool take_set(void *target, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(list_line, field)
 static const hs_option options[] = {
-    {"plugin", "PATH", "library to load, a path or a name [smartvis]\n", HS_OPTION_TEXT, AT(path), 0, 0,
-     NULL},
-    {"set", "KEY=VALUE", "a parameter's value, for what depends on it; repeatable [the defaults]\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_set},
-    {"all", NULL, "all parameters\n", HS_OPTION_FLAG, AT(all), 0, 0, NULL},
+    HS_TEXT("plugin", "PATH", AT(path), "library to load, a path or a name [smartvis]"),
+    HS_TAKEN("set", "KEY=VALUE", 0, take_set,
+             "a parameter's value, for what depends on it; repeatable [the defaults]"),
+    HS_FLAG("all", AT(all), "all parameters"),
     HS_GUARD_ROWS(AT(guard)),
-    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+    HS_OPTIONS_END,
 };
 
 static void print_help(void) {

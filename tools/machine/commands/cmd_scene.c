@@ -29,29 +29,24 @@ static bool take_format(void *vol, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(scene_line, field)
 static const hs_option options[] = {
-    {"all", NULL, "the nine cases of the thesis\n", HS_OPTION_FLAG, AT(all), 0, 0, NULL},
-    {"hard", NULL, "the hard cases, H01 and on\n", HS_OPTION_FLAG, AT(hard), 0, 0, NULL},
-    {"size", "N", "voxels per axis, 32 .. 512 (default 256)\n", HS_OPTION_COUNT, AT(options.size), 32, 512,
-     NULL},
-    {"seed", "N", "another seed than the scene's own: speckle, noise and particles change\n", HS_OPTION_WHOLE,
-     AT(options.seed), 1, 0, NULL},
-    {"frames", "N", "N frames of the scene's motion, 1 .. 1000 (default 1)\n", HS_OPTION_COUNT, AT(frames), 1,
-     1000, NULL},
-    {"threads", "N", "threads, 1 .. 64 (default: one per processor); the bytes do not depend on it\n",
-     HS_OPTION_COUNT, AT(options.threads), 1, 64, NULL},
-    {"real", "FILE", "the volume that the scene 'real' puts its occluders before\n", HS_OPTION_TEXT,
-     AT(options.real), 0, 0, NULL},
-    {"export", NULL,
-     "write <name>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha, and <name>.json,\n"
-     "the scene as a file\n",
-     HS_OPTION_FLAG, AT(export), 0, 0, NULL},
-    {"format", "WHAT",
-     "of --export: mha, or vol for Kretz files: <name>_full.vol and _truth.vol, with\n"
-     "_label.mha for their Cartesian copies; several frames as a sequence, without\n"
-     "(default mha)\n",
-     HS_OPTION_TAKEN, AT(vol), 0, 0, take_format},
-    {"out", "FOLDER", "where files go (default out/scenes)\n", HS_OPTION_TEXT, AT(out), 0, 0, NULL},
-    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+    HS_FLAG("all", AT(all), "the nine cases of the thesis"),
+    HS_FLAG("hard", AT(hard), "the hard cases, H01 and on"),
+    HS_IN(COUNT, "size", "N", AT(options.size), 32, 512, "voxels per axis, 32 .. 512 (default 256)"),
+    HS_IN(WHOLE, "seed", "N", AT(options.seed), 1, 0,
+          "another seed than the scene's own: speckle, noise and particles change"),
+    HS_IN(COUNT, "frames", "N", AT(frames), 1, 1000, "N frames of the scene's motion, 1 .. 1000 (default 1)"),
+    HS_IN(COUNT, "threads", "N", AT(options.threads), 1, 64,
+          "threads, 1 .. 64 (default: one per processor); the bytes do not depend on it"),
+    HS_TEXT("real", "FILE", AT(options.real), "the volume that the scene 'real' puts its occluders before"),
+    HS_FLAG("export", AT(export),
+            "write <name>_full.mha, _truth.mha, _label.mha, _near.mha and _far.mha, and <name>.json,\n"
+            "the scene as a file"),
+    HS_TAKEN("format", "WHAT", AT(vol), take_format,
+             "of --export: mha, or vol for Kretz files: <name>_full.vol and _truth.vol, with\n"
+             "_label.mha for their Cartesian copies; several frames as a sequence, without\n"
+             "(default mha)"),
+    HS_TEXT("out", "FOLDER", AT(out), "where files go (default out/scenes)"),
+    HS_OPTIONS_END,
 };
 
 static bool parse(int argc, char **argv, scene_line *r, hs_error *err) {

@@ -33,26 +33,23 @@ static bool take_plugin(void *target, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(console_line, field)
 static const hs_option options[] = {
-    {"plugin", "PATH",
-     "library to offer before SmartVis, a path or a name; repeatable. One that is built anew is loaded "
-     "again\n",
-     HS_OPTION_TAKEN, 0, 0, 0, take_plugin},
-    {"out", "DIR", "folder for results that the page writes [out/console]\n", HS_OPTION_TEXT, AT(shared.out),
-     0, 0, NULL},
-    {"port", "N", "port to listen on; 0 is any that is free [0]\n", HS_OPTION_COUNT, AT(address.port), 0,
-     65535, NULL},
-    {"listen", "ADDR",
-     "address to listen on; others than this machine can then reach the console, if they know the\n"
-     "token, and everything goes over the net as it is [127.0.0.1]\n",
-     HS_OPTION_TEXT, AT(address.listen), 0, 0, NULL},
-    {"lowres", "N",
-     "pixels across the plugin's volume: fewer of them are quicker and cost quality [a pixel is 1 mm wide,\n"
-     "no finer than the source and no coarser than three of its voxels]\n",
-     HS_OPTION_COUNT, AT(shared.lowres), 1, 8192, NULL},
+    HS_TAKEN(
+        "plugin", "PATH", 0, take_plugin,
+        "library to offer before SmartVis, a path or a name; repeatable. One that is built anew is loaded "
+        "again"),
+    HS_TEXT("out", "DIR", AT(shared.out), "folder for results that the page writes [out/console]"),
+    HS_IN(COUNT, "port", "N", AT(address.port), 0, 65535, "port to listen on; 0 is any that is free [0]"),
+    HS_TEXT("listen", "ADDR", AT(address.listen),
+            "address to listen on; others than this machine can then reach the console, if they know the\n"
+            "token, and everything goes over the net as it is [127.0.0.1]"),
+    HS_IN(COUNT, "lowres", "N", AT(shared.lowres), 1, 8192,
+          "pixels across the plugin's volume: fewer of them are quicker and cost quality [a pixel is 1 mm "
+          "wide,\n"
+          "no finer than the source and no coarser than three of its voxels]"),
     HS_SOURCE_ROWS(AT(shared.read)),
-    {"stay", NULL, "goes on when the last page is closed\n", HS_OPTION_FLAG, AT(stay), 0, 0, NULL},
+    HS_FLAG("stay", AT(stay), "goes on when the last page is closed"),
     HS_GUARD_ROWS(AT(shared.offers.guard)),
-    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+    HS_OPTIONS_END,
 };
 
 static void print_help(void) {

@@ -212,24 +212,19 @@ static bool take_seed(void *all, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(command, field)
 static const hs_option options[] = {
-    {"only", "ID[,ID]", "only these checks; repeatable\n", HS_OPTION_TAKEN, 0, 0, 0, take_only},
-    {"list", NULL, "print the checks' ids, and what each of them shows\n", HS_OPTION_FLAG, AT(list), 0, 0,
-     NULL},
-    {"id", "ID", "which of the library's plugins [the first]\n", HS_OPTION_TEXT, AT(run.id), 0, 0, NULL},
-    {"seed", "N", "of everything random; the same seed tries the same [0]\n", HS_OPTION_TAKEN, 0, 0, 0,
-     take_seed},
-    {"level", "N", "1 .. 10: how much is tried [5]\n", HS_OPTION_COUNT, AT(run.level), 1, 10, NULL},
-    {"timeout", "S", "seconds for a check up to first-frame, a later one has five times as many [60]\n",
-     HS_OPTION_NUMBER, AT(run.timeout_s), 0.1, 86400, NULL},
-    {"json", NULL, "one JSON object instead of lines\n", HS_OPTION_FLAG, AT(json), 0, 0, NULL},
-    {"junit", "FILE", "everything as JUnit's XML, too, for CI systems\n", HS_OPTION_TEXT, AT(junit), 0, 0,
-     NULL},
-    {"verbose", NULL, "what the plugin logs and prints goes to standard error\n", HS_OPTION_FLAG,
-     AT(run.verbose), 0, 0, NULL},
-    {"in-process", NULL, "no processes: for a debugger. A crash ends the validator.\n", HS_OPTION_FLAG,
-     AT(run.in_process), 0, 0, NULL},
-    {"version", NULL, "versions of this program and of the ABI\n", HS_OPTION_FLAG, AT(version), 0, 0, NULL},
-    {NULL, NULL, NULL, HS_OPTION_FLAG, 0, 0, 0, NULL},
+    HS_TAKEN("only", "ID[,ID]", 0, take_only, "only these checks; repeatable"),
+    HS_FLAG("list", AT(list), "print the checks' ids, and what each of them shows"),
+    HS_TEXT("id", "ID", AT(run.id), "which of the library's plugins [the first]"),
+    HS_TAKEN("seed", "N", 0, take_seed, "of everything random; the same seed tries the same [0]"),
+    HS_IN(COUNT, "level", "N", AT(run.level), 1, 10, "1 .. 10: how much is tried [5]"),
+    HS_IN(NUMBER, "timeout", "S", AT(run.timeout_s), 0.1, 86400,
+          "seconds for a check up to first-frame, a later one has five times as many [60]"),
+    HS_FLAG("json", AT(json), "one JSON object instead of lines"),
+    HS_TEXT("junit", "FILE", AT(junit), "everything as JUnit's XML, too, for CI systems"),
+    HS_FLAG("verbose", AT(run.verbose), "what the plugin logs and prints goes to standard error"),
+    HS_FLAG("in-process", AT(run.in_process), "no processes: for a debugger. A crash ends the validator."),
+    HS_FLAG("version", AT(version), "versions of this program and of the ABI"),
+    HS_OPTIONS_END,
 };
 
 static void print_help(void) {
