@@ -219,12 +219,8 @@ bool hs_truth_picture_draw(hs_truth_picture *picture, hs_screen *screen, hs_look
 }
 
 static bool allocate_pictures(const hs_loop *loop, hs_view *view, hs_error *err) {
-    const hs_slab_layout *layout = hs_loop_layout(loop);
     view->width = loop->options.dvr.width;
     view->height = loop->options.dvr.height;
-    view->map_width = layout->width;
-    view->map_height = layout->height;
-    view->slices = layout->slices;
     const size_t pixels = (size_t)view->width * view->height;
     view->result = malloc(pixels * 4);
     view->full = malloc(pixels * 4);
@@ -256,34 +252,24 @@ static bool render_truth(hs_loop *loop, uint32_t index, hs_view *view, hs_error 
     return ok;
 }
 
-/* The frame with every map the plugin has. */
-static bool run_frame(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
-    hs_maps maps;
-    if (!hs_loop_maps(loop, index, &maps, err)) return false;
-    hs_maps_crop(&maps, loop->source);
-    view->depth = maps.depth;
-    view->status = maps.status;
-    view->sure = maps.confidence;
-    view->frame = maps.frame;
-    return true;
-}
-
 bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     *view = (hs_view){0};
     hs_camera window;
     float share;
-    hs_loop_camera(loop, index, &view->camera);
     hs_loop_window(loop, index, &window, &share);
     view->picture_mm = window.extent;
     view->look = loop->options.dvr.look;
     view->truth_cut = hs_truth_shows_cut(loop, view->look, index);
     view->ghosted = loop->options.dvr.ghost_width > 0;
-    const bool ok = allocate_pictures(loop, view, err) && run_frame(loop, index, view, err) &&
+    const bool ok = allocate_pictures(loop, view, err) && hs_loop_maps(loop, index, &view->maps, err) &&
                     (view->volume = hs_source_bring(loop->source, index % loop->source->count, err)) &&
-                    render_to(loop, index, &view->frame, view->result, view->termination, err) &&
+                    render_to(loop, index, &view->maps.frame, view->result, view->termination, err) &&
                     render_to(loop, index, NULL, view->full, view->full_termination, err) &&
                     (!view->truth || render_truth(loop, index, view, err));
-    if (!ok) hs_view_free(view);
+    if (ok)
+        hs_maps_crop(&view->maps, loop->source);
+    else
+        hs_view_free(view);
     return ok;
 }
 
@@ -317,8 +303,6 @@ void hs_view_free(hs_view *view) {
     free(view->truth);
     free(view->termination);
     free(view->full_termination);
-    free(view->depth);
-    free(view->status);
-    free(view->sure);
+    hs_maps_free(&view->maps);
     *view = (hs_view){0};
 }

@@ -62,7 +62,7 @@ bool hs_truth_picture_draw(hs_truth_picture *picture, hs_screen *screen, hs_look
 
 /*
  * Everything pictures are made of, for one frame of the setting "smartvis". Pictures are width * height RGBA
- * bytes; maps are map_width * map_height values. Free with hs_view_free.
+ * bytes. Free with hs_view_free.
  */
 typedef struct {
     uint32_t width, height;
@@ -71,17 +71,12 @@ typedef struct {
     uint8_t *truth;          /* the scene's ground truth, same camera; NULL if there is none */
     float *termination;      /* of the result: see hs_dvr_render */
     float *full_termination; /* of the full volume */
-    uint32_t map_width, map_height, slices;
-    float *depth;            /* the plugin's depthmap, in low-resolution slices; zeros if it was not used */
-    uint8_t *status;         /* SV_POINT_* */
-    float *sure;             /* the plugin's confidence, 0 .. 1; NULL if it gave none */
-    hs_camera camera;        /* of the box: maps show all of it */
+    hs_maps maps;            /* cropped (hs_maps_crop); they show all of the box, and have the frame */
     double picture_mm;       /* the side of what the pictures show */
     const hs_volume *volume; /* the frame's; the source's, until the loop's next frame */
     hs_look look;            /* of the pictures */
     bool ghosted;            /* what is before the clipping surface fades */
     bool truth_cut;          /* the truth's picture shows a cut (hs_truth_shows_cut) */
-    hs_frame frame;
 } hs_view;
 
 /* HS_ERR_DEVICE or HS_ERR_MEMORY; the view is zeroed then. */

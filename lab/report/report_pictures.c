@@ -225,11 +225,11 @@ static bool draw_plain(hs_eval_study *study, uint32_t index, hs_eval_case *c, co
     hs_loop *loop = hs_eval_draw_loop(&drawing, err);
     bool ok = loop && hs_loop_view(loop, 0, &view, err);
     if (ok) {
-        const char *said = hs_frame_note(&view.frame, "the plugin failed", r->note, sizeof r->note);
+        const char *said = hs_frame_note(&view.maps.frame, "the plugin failed", r->note, sizeof r->note);
         if (!said) r->note[0] = '\0';
-        hs_camera_title(name, &view.camera, view.volume, title, sizeof title);
+        hs_camera_title(name, &view.maps.camera, view.volume, title, sizeof title);
         ok = hs_loop_write_pictures(&view, folder, title, said, HS_EVAL_PICTURE, err);
-        r->sure = view.sure != NULL;
+        r->sure = view.maps.confidence != NULL;
         r->truth_cut = view.truth_cut;
         hs_view_free(&view);
     }

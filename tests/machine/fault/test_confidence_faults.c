@@ -29,7 +29,7 @@ static hs_view view_by(const fixture *f, const char *name, bool own_queue, float
     hs_view view = view_of(loop, 0);
     *failure = *hs_loop_confidence_error(loop);
     assert_int_equal(hs_loop_plugin_error(loop)->code, HS_OK);
-    assert_true(view.frame.clipped);
+    assert_true(view.maps.frame.clipped);
     return view;
 }
 
@@ -53,11 +53,11 @@ static void what_is_of_no_use_leaves_the_picture_as_without(void **state) {
         hs_error failure;
         hs_view plain = view_by(f, "plane", own, 2.0f, &failure);
         assert_int_equal(failure.code, HS_OK);
-        assert_null(plain.sure);
+        assert_null(plain.maps.confidence);
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
             hs_view view = view_by(f, cases[i].plugin, own, 2.0f, &failure);
             if (!same_picture(&view, &plain)) fail_msg("%s: another picture", cases[i].plugin);
-            assert_int_equal(view.frame.has_confidence, i == 0);
+            assert_int_equal(view.maps.frame.has_confidence, i == 0);
             assert_int_equal(failure.code, cases[i].says[0] ? HS_ERR_PLUGIN : HS_OK);
             if (!strstr(failure.text, cases[i].says))
                 fail_msg("'%s' does not say '%s'", failure.text, cases[i].says);
@@ -73,9 +73,9 @@ static void a_map_that_is_one_widens_the_window(void **state) {
     for (int own = 0; own < 2; own++) {
         view[own] = view_by(f, "confidence_ramp", own, 3.0f, &failure);
         assert_int_equal(failure.code, HS_OK);
-        assert_true(view[own].frame.has_confidence);
+        assert_true(view[own].maps.frame.has_confidence);
         for (int i = 0; i < LOW * LOW; i++)
-            assert_true(fabs((double)view[own].sure[i] - (double)(i % LOW) / (LOW - 1)) < 1e-6);
+            assert_true(fabs((double)view[own].maps.confidence[i] - (double)(i % LOW) / (LOW - 1)) < 1e-6);
     }
     plain = view_by(f, "plane", false, 3.0f, &failure);
     off = view_by(f, "confidence_ramp", false, 0.0f, &failure);
@@ -84,11 +84,11 @@ static void a_map_that_is_one_widens_the_window(void **state) {
     assert_false(same_picture(&view[0], &plain));
     const sv_param_value depth = {.id = DEPTH, .value = PLANE};
     const hs_loop_options o = ghosted(&depth, false, 3.0f);
-    const ref_depthmap map = {view[0].depth, view[0].sure, LOW, LOW, view[0].slices};
+    const ref_depthmap map = {view[0].maps.depth, view[0].maps.confidence, LOW, LOW, view[0].maps.slices};
     uint32_t sooner = 0, close = 0;
     for (uint32_t i = 0; i < PICTURE * PICTURE; i++) {
         const ref_pixel expected =
-            ref_dvr_pixel(&f->layers, &view[0].camera, &o.dvr, &map, i % PICTURE, i / PICTURE);
+            ref_dvr_pixel(&f->layers, &view[0].maps.camera, &o.dvr, &map, i % PICTURE, i / PICTURE);
         sooner += view[0].termination[i] < plain.termination[i];
         close += expected.margin <= 3e-4;
         if (expected.margin > 3e-4) assert_true((double)view[0].termination[i] == expected.termination);

@@ -40,15 +40,15 @@ static void expect_same(const void *a, const void *b, size_t bytes, const char *
 }
 
 static void expect_same_view(const hs_view *a, const hs_view *b, size_t way) {
-    const size_t rays = (size_t)a->map_width * a->map_height;
-    assert_int_equal(a->frame.outcome, b->frame.outcome);
-    assert_int_equal(a->frame.clipped, b->frame.clipped);
-    assert_int_equal(a->frame.has_confidence, b->frame.has_confidence);
-    expect_same(a->depth, b->depth, rays * sizeof(float), "depthmap", way);
-    expect_same(a->status, b->status, rays, "status map", way);
-    expect_same(a->sure, b->sure, rays * sizeof(float), "confidence", way);
-    expect_same(&a->frame.stats, &b->frame.stats, sizeof a->frame.stats, "statistics", way);
-    expect_same(&a->frame.points, &b->frame.points, sizeof a->frame.points, "points", way);
+    const size_t rays = (size_t)a->maps.width * a->maps.height;
+    assert_int_equal(a->maps.frame.outcome, b->maps.frame.outcome);
+    assert_int_equal(a->maps.frame.clipped, b->maps.frame.clipped);
+    assert_int_equal(a->maps.frame.has_confidence, b->maps.frame.has_confidence);
+    expect_same(a->maps.depth, b->maps.depth, rays * sizeof(float), "depthmap", way);
+    expect_same(a->maps.status, b->maps.status, rays, "status map", way);
+    expect_same(a->maps.confidence, b->maps.confidence, rays * sizeof(float), "confidence", way);
+    expect_same(&a->maps.frame.stats, &b->maps.frame.stats, sizeof a->maps.frame.stats, "statistics", way);
+    expect_same(&a->maps.frame.points, &b->maps.frame.points, sizeof a->maps.frame.points, "points", way);
     expect_same(a->result, b->result, (size_t)4 * PICTURE * PICTURE, "picture", way);
 }
 
@@ -236,7 +236,7 @@ static void an_error_is_an_error(void **state) {
         const hs_loop_options o = options_with(&value, 1);
         hs_loop *loop = make_loop_of(f, &plugin, &o);
         hs_view view = view_of(loop, 0);
-        assert_int_equal(view.frame.outcome, SV_ERR_INTERNAL);
+        assert_int_equal(view.maps.frame.outcome, SV_ERR_INTERNAL);
         (void)snprintf(texts[i], sizeof texts[i], "%s", hs_loop_plugin_error(loop)->text);
         assert_true(hs_guarded_lives(&plugin));
         end_loop(loop);

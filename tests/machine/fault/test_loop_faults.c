@@ -8,9 +8,9 @@
 
 /* The result must be the full volume's picture, whatever happened. */
 static void assert_unclipped(const hs_view *view) {
-    assert_false(view->frame.clipped);
+    assert_false(view->maps.frame.clipped);
     assert_memory_equal(view->result, view->full, (size_t)PICTURE * PICTURE * 4);
-    for (size_t r = 0; r < (size_t)LOW * LOW; r++) assert_true(view->depth[r] == 0);
+    for (size_t r = 0; r < (size_t)LOW * LOW; r++) assert_true(view->maps.depth[r] == 0);
 }
 
 static void a_plugin_that_fails_in_any_call_leaves_an_unclipped_picture(void **state) {
@@ -30,7 +30,7 @@ static void a_plugin_that_fails_in_any_call_leaves_an_unclipped_picture(void **s
             hs_loop *loop = make_loop(f, &o);
             hs_view view = view_of(loop, 0);
             assert_unclipped(&view);
-            assert_true(view.frame.outcome < 0);
+            assert_true(view.maps.frame.outcome < 0);
             assert_int_equal(hs_loop_plugin_error(loop)->code, HS_ERR_PLUGIN);
             assert_non_null(strstr(hs_loop_plugin_error(loop)->text, cases[i].says));
         }
@@ -45,7 +45,7 @@ static void a_note_is_rendered_unclipped_and_is_no_error(void **state) {
         hs_loop *loop = make_loop(f, &o);
         hs_view view = view_of(loop, 0);
         assert_unclipped(&view);
-        assert_int_equal(view.frame.outcome, SV_NO_SURFACE);
+        assert_int_equal(view.maps.frame.outcome, SV_NO_SURFACE);
         assert_int_equal(hs_loop_plugin_error(loop)->code, HS_OK);
     }
 }
@@ -57,7 +57,7 @@ static void a_value_the_plugin_refuses_names_it(void **state) {
     hs_loop *loop = make_loop(f, &o);
     hs_view view = view_of(loop, 0);
     assert_unclipped(&view);
-    assert_int_equal(view.frame.outcome, SV_ERR_PARAM_RANGE);
+    assert_int_equal(view.maps.frame.outcome, SV_ERR_PARAM_RANGE);
     assert_non_null(
         strstr(hs_loop_plugin_error(loop)->text, "begin: SV_ERR_PARAM_RANGE (-14): begin: depth is 12345"));
 }
@@ -100,7 +100,7 @@ static void a_frame_that_cannot_be_meant_is_a_failure(void **state) {
         hs_view view = view_of(loop, 0);
         view = view_of(loop, 1);
         assert_unclipped(&view);
-        assert_true(view.frame.outcome < SV_OK);
+        assert_true(view.maps.frame.outcome < SV_OK);
         if (!strstr(hs_loop_plugin_error(loop)->text, table[n / 2].says))
             fail_msg("%s: '%s' in '%s'", table[n / 2].plugin, table[n / 2].says,
                      hs_loop_plugin_error(loop)->text);
@@ -128,7 +128,7 @@ static void an_adjust_that_writes_nothing_is_a_failure(void **state) {
         const hs_loop_options o = options_on(own, &depth, 1);
         hs_loop *loop = make_loop_of(f, &plugin, &o);
         hs_view view = view_of(loop, 0);
-        assert_true(view.frame.clipped);
+        assert_true(view.maps.frame.clipped);
         hs_frame frame;
         must(hs_loop_adjust(loop, depth, &frame, NULL, &err));
         assert_false(frame.clipped);

@@ -56,7 +56,7 @@ static void a_flat_plane_clips_where_it_lies(void **state) {
         const hs_loop_options o = options_with(&value, 1);
         hs_loop *loop = make_loop(f, &o);
         hs_view view = view_of(loop, 0);
-        assert_true(view.frame.clipped);
+        assert_true(view.maps.frame.clipped);
         const float end = end_of_ray(depths[i]);
         for (size_t p = 0; p < (size_t)PICTURE * PICTURE; p++) {
             assert_true(view.termination[p] == end);
@@ -65,8 +65,8 @@ static void a_flat_plane_clips_where_it_lies(void **state) {
             assert_int_equal(view.full[4 * p], red_at(OCCLUDER, &o.dvr));
         }
         for (size_t r = 0; r < (size_t)LOW * LOW; r++) {
-            assert_true(view.depth[r] == (float)depths[i]);
-            assert_int_equal(view.status[r], SV_POINT_INITIAL);
+            assert_true(view.maps.depth[r] == (float)depths[i]);
+            assert_int_equal(view.maps.status[r], SV_POINT_INITIAL);
         }
     }
 }
@@ -74,7 +74,7 @@ static void a_flat_plane_clips_where_it_lies(void **state) {
 /* Which way x runs, and that map and picture lie over each other to a fraction of a pixel. */
 static void check_tilted(hs_loop *loop, const hs_loop_options *o, double depth) {
     hs_view view = view_of(loop, 0);
-    assert_true(view.frame.clipped);
+    assert_true(view.maps.frame.clipped);
     for (int y = 0; y < PICTURE; y++)
         for (int x = 0; x < PICTURE; x++) {
             const float end = end_of_ray(tilted_depth(depth, x));
@@ -116,13 +116,13 @@ static void a_partial_map_clips_where_it_has_a_surface(void **state) {
         hs_loop *loop = make_loop_of(f, partial, &o);
         hs_view view = view_of(loop, 0);
         char note[160];
-        assert_true(view.frame.clipped);
-        assert_int_equal(view.frame.outcome, SV_PARTIAL);
+        assert_true(view.maps.frame.clipped);
+        assert_int_equal(view.maps.frame.outcome, SV_PARTIAL);
         assert_int_equal(hs_loop_plugin_error(loop)->code, HS_OK);
-        assert_string_equal(hs_frame_note(&view.frame, "", note, sizeof note),
+        assert_string_equal(hs_frame_note(&view.maps.frame, "", note, sizeof note),
                             "Clipped in part: 128 of 256 rays have no clipping surface and show everything.");
         for (int y = 0; y < LOW; y++)
-            for (int x = 0; x < LOW; x++) assert_true(view.depth[y * LOW + x] == (x < LOW / 2 ? 5 : 0));
+            for (int x = 0; x < LOW; x++) assert_true(view.maps.depth[y * LOW + x] == (x < LOW / 2 ? 5 : 0));
         for (int y = 0; y < PICTURE; y++)
             for (int x = 0; x < PICTURE; x++) {
                 const float at = ((float)x + 0.5f) * LOW / PICTURE - 0.5f,
@@ -147,9 +147,9 @@ static void a_note_of_begin_changes_nothing(void **state) {
     hs_plugin *noting = open_plugin("note_early");
     hs_loop *loop = make_loop_of(f, noting, &o);
     hs_view view = view_of(loop, 0);
-    assert_int_equal(view.frame.outcome, SV_OK);
-    assert_null(hs_frame_note(&view.frame, "", note, sizeof note));
-    assert_true(view.frame.clipped && view.termination[0] == FETUS);
+    assert_int_equal(view.maps.frame.outcome, SV_OK);
+    assert_null(hs_frame_note(&view.maps.frame, "", note, sizeof note));
+    assert_true(view.maps.frame.clipped && view.termination[0] == FETUS);
 }
 
 /* What is clipped although the plugin doubts it is never shown as a success. */
@@ -162,8 +162,8 @@ static void a_doubtful_surface_is_called_so(void **state) {
     hs_plugin *doubtful = open_plugin("confidence_doubtful");
     hs_loop *loop = make_loop_of(f, doubtful, &o);
     hs_view view = view_of(loop, 0);
-    assert_true(view.frame.clipped && view.frame.outcome == SV_OK);
-    assert_string_equal(hs_frame_note(&view.frame, "", note, sizeof note),
+    assert_true(view.maps.frame.clipped && view.maps.frame.outcome == SV_OK);
+    assert_string_equal(hs_frame_note(&view.maps.frame, "", note, sizeof note),
                         "Clipped although doubtful (14 %, sure from 30 %): the fetus may be cut.");
     must(hs_loop_run(loop, HS_SETTING_SMARTVIS, NULL, &r, &err));
     assert_int_equal(r.doubtful_frames, FRAMES);
@@ -250,7 +250,7 @@ static void a_live_scan_is_uploaded_anew(void **state) {
         hs_view view = view_of(loop, i);
         assert_true(view.termination[0] == (levels[i] == 255 ? 0 : N));
         assert_int_equal(view.result[0], levels[i] == 255 ? red_at(FETUS, &o.dvr) : 0);
-        assert_true(view.frame.ms[HS_STAGE_UPLOAD] > 0);
+        assert_true(view.maps.frame.ms[HS_STAGE_UPLOAD] > 0);
     }
 }
 
@@ -265,14 +265,14 @@ static void an_orbit_keeps_one_box_and_lies_around_its_yaw(void **state) {
     hs_view views[3];
     for (uint32_t i = 0; i < 3; i++) views[i] = view_of(loop, i);
     for (uint32_t i = 1; i < 3; i++) {
-        assert_true(views[i].camera.extent == views[0].camera.extent);
-        assert_true(views[i].camera.depth_extent == views[0].camera.depth_extent);
-        assert_true(
-            memcmp(views[i].camera.rotation, views[0].camera.rotation, sizeof views[0].camera.rotation) != 0);
+        assert_true(views[i].maps.camera.extent == views[0].maps.camera.extent);
+        assert_true(views[i].maps.camera.depth_extent == views[0].maps.camera.depth_extent);
+        assert_true(memcmp(views[i].maps.camera.rotation, views[0].maps.camera.rotation,
+                           sizeof views[0].maps.camera.rotation) != 0);
     }
     /* Seen 25 degrees from the side, a cube of 48 mm is 48 (cos 25 + sin 25) mm across. */
     const double across = N * (cos(25 * acos(-1) / 180) + sin(25 * acos(-1) / 180));
-    assert_true(views[0].camera.extent >= across - 1e-6 && views[0].camera.extent < across + 1);
+    assert_true(views[0].maps.camera.extent >= across - 1e-6 && views[0].maps.camera.extent < across + 1);
 }
 
 static void the_ground_truth_is_rendered_with_the_same_camera(void **state) {

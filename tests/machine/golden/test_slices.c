@@ -53,9 +53,9 @@ static void nothing_clipped_is_said_in_words(void **state) {
     hs_view view = view_of(loop, 0);
     hs_picture p;
     char note[160];
-    assert_false(view.frame.clipped);
+    assert_false(view.maps.frame.clipped);
     assert_true(hs_view_clip_depth(&view) < 0);
-    assert_string_equal(hs_frame_note(&view.frame, "", note, sizeof note),
+    assert_string_equal(hs_frame_note(&view.maps.frame, "", note, sizeof note),
                         "No fluid found before the fetus: nothing removed.");
     must(hs_picture_slices(&p, &view, CELL, &(hs_caption){0}, &err));
     assert_int_equal(at(&p, 0, 0.2, (OCCLUDER + 4.0) / N), grey(153));

@@ -209,7 +209,8 @@ bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
         return written;
     }
     const bool ok = hs_loop_write_pictures(
-        &view, folder, title, hs_frame_note(&view.frame, hs_run_plugin_error(run)->text, note, sizeof note),
+        &view, folder, title,
+        hs_frame_note(&view.maps.frame, hs_run_plugin_error(run)->text, note, sizeof note),
         run->request.panel_cell, err);
     hs_view_free(&view);
     return ok;

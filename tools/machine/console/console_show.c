@@ -97,12 +97,7 @@ static bool draw_slice(hs_console_stage *stage, hs_slice_plane plane, const hs_m
     const uint32_t size = stage->screen_dvr.width;
     const double share = window_share(stage);
     hs_slice_scene s = {.volume = hs_source_bring(&stage->source, stage->index, err),
-                        .camera = maps->camera,
-                        .map_width = maps->width,
-                        .map_height = maps->height,
-                        .slices = maps->slices,
-                        .depth = maps->depth,
-                        .confidence = maps->confidence,
+                        .maps = maps,
                         .band_mm = BAND_MM,
                         .crop = stage->source.crop.used ? &stage->source.crop : NULL};
     for (int k = 0; k < 3; k++) {

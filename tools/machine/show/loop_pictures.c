@@ -33,7 +33,7 @@ const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out,
 /* What the colours of a view's renderings mean; NULL in the thesis' look, whose brightness is the echo's. */
 static const char *hs_view_legend(const hs_view *view) {
     if (view->look != HS_LOOK_LIT) return NULL;
-    if (!view->frame.clipped)
+    if (!view->maps.frame.clipped)
         return "Skin tones: surfaces, darker and redder with depth. Grey: the scan's end.";
     if (view->ghosted)
         return "Skin tones: surfaces, redder with depth. Grey: cut by the clipping surface or the scan's "
@@ -53,12 +53,13 @@ static const char *foot_of(const hs_view *view, const char *note, char *out, siz
 /* The depthmap in millimetres from the front of the box; what clips nothing stays 0 or below. The caller
  * frees it. NULL without memory. */
 static float *depth_in_mm(const hs_view *view, hs_error *err) {
-    const size_t rays = (size_t)view->map_width * view->map_height;
-    const double slice = view->camera.depth_extent / view->slices;
+    const size_t rays = (size_t)view->maps.width * view->maps.height;
+    const double slice = view->maps.camera.depth_extent / view->maps.slices;
     float *mm = hs_memory(1, rays * sizeof *mm, "depthmap", err);
     if (!mm) return NULL;
     for (size_t i = 0; i < rays; i++)
-        mm[i] = view->depth[i] > 0.0f ? (float)(((double)view->depth[i] + 0.5) * slice) : view->depth[i];
+        mm[i] = view->maps.depth[i] > 0.0f ? (float)(((double)view->maps.depth[i] + 0.5) * slice)
+                                           : view->maps.depth[i];
     return mm;
 }
 
@@ -87,9 +88,9 @@ static bool write_plain(const hs_view *view, const uint8_t *pixels, const char *
 
 static bool write_panel(const hs_view *view, const char *folder, const char *title, const char *note,
                         uint32_t cell, hs_error *err) {
-    const char *result = !view->frame.clipped              ? "Result: not clipped"
-                         : view->frame.doubt.wanted > 0.0f ? "Result: doubtful, the fetus may be cut"
-                                                           : "Result";
+    const char *result = !view->maps.frame.clipped              ? "Result: not clipped"
+                         : view->maps.frame.doubt.wanted > 0.0f ? "Result: doubtful, the fetus may be cut"
+                                                                : "Result";
     const hs_panel_item items[3] = {{.caption = "Full volume", .image = rgba_image(view, view->full)},
                                     {.caption = result, .image = rgba_image(view, view->result)},
                                     {.caption = "Ground truth", .image = rgba_image(view, view->truth)}};
@@ -103,16 +104,16 @@ static bool write_panel(const hs_view *view, const char *folder, const char *tit
 static bool write_depthmap(const hs_view *view, const char *folder, const char *title, const char *note,
                            hs_error *err) {
     char facts[1400];
-    const hs_camera *c = &view->camera;
+    const hs_camera *c = &view->maps.camera;
     (void)snprintf(facts, sizeof facts,
                    "%u x %u rays over %.0f x %.0f mm, %.0f mm deep, seen from the viewer%s%s",
-                   view->map_width, view->map_height, c->extent, c->extent, c->depth_extent, note ? "\n" : "",
-                   note ? note : "");
+                   view->maps.width, view->maps.height, c->extent, c->extent, c->depth_extent,
+                   note ? "\n" : "", note ? note : "");
     const hs_caption caption = {.title = title, .footer = facts};
     hs_picture picture;
     float *mm = depth_in_mm(view, err);
     const bool made =
-        mm && hs_picture_depthmap(&picture, mm, view->map_width, view->map_height, &caption, err);
+        mm && hs_picture_depthmap(&picture, mm, view->maps.width, view->maps.height, &caption, err);
     free(mm);
     return save(made, &picture, folder, "depthmap.png", err);
 }
@@ -132,9 +133,9 @@ static bool write_confidence(const hs_view *view, const char *folder, const char
         .title = title,
         .footer = "how sure the plugin is of its depthmap; where it is not, ghosting begins sooner"};
     hs_picture picture;
-    if (!view->sure) return leave_out(folder, "confidence.png", err);
-    const bool made =
-        hs_picture_share(&picture, view->sure, view->map_width, view->map_height, &words, &caption, err);
+    if (!view->maps.confidence) return leave_out(folder, "confidence.png", err);
+    const bool made = hs_picture_share(&picture, view->maps.confidence, view->maps.width, view->maps.height,
+                                       &words, &caption, err);
     return save(made, &picture, folder, "confidence.png", err);
 }
 

@@ -33,13 +33,14 @@ static uint8_t voxel_at(const hs_slice_scene *s, const hs_box_map *map, const do
 
 /* A map of the low-resolution volume at a place of the box. */
 static double map_at(const hs_slice_scene *s, const float *map, double u, double v) {
-    return hs_map_at(map, s->map_width, s->map_height, u * s->map_width - 0.5, v * s->map_height - 0.5);
+    return hs_map_at(map, s->maps->width, s->maps->height, u * s->maps->width - 0.5,
+                     v * s->maps->height - 0.5);
 }
 
 /* Where a ray of the box starts, 0 .. 1 of its depth; negative where nothing is clipped. */
 static double start_at(const hs_slice_scene *s, double u, double v) {
-    const double depth = map_at(s, s->depth, u, v);
-    return depth > 0.0 && isfinite(depth) ? (depth + 0.5) / s->slices : -1.0;
+    const double depth = map_at(s, s->maps->depth, u, v);
+    return depth > 0.0 && isfinite(depth) ? (depth + 0.5) / s->maps->slices : -1.0;
 }
 
 static void set_pixel(uint8_t *rgba, uint32_t colour) {
@@ -47,9 +48,9 @@ static void set_pixel(uint8_t *rgba, uint32_t colour) {
 }
 
 static bool is_in_band(const hs_slice_scene *s, const double box[3], double start) {
-    if (!s->confidence || !(s->band_mm > 0.0) || start < 0.0) return false;
+    if (!s->maps->confidence || !(s->band_mm > 0.0) || start < 0.0) return false;
     const double reach =
-        s->band_mm * (1.0 - map_at(s, s->confidence, box[0], box[1])) / s->camera.depth_extent;
+        s->band_mm * (1.0 - map_at(s, s->maps->confidence, box[0], box[1])) / s->maps->camera.depth_extent;
     return fabs(box[2] - start) < reach;
 }
 
@@ -99,7 +100,7 @@ static void draw_line(uint32_t n, uint8_t *rgba, const bool *removed) {
 void hs_slice_fill(const hs_slice_scene *scene, hs_slice_plane plane, uint32_t cell, uint8_t *rgba,
                    bool *removed) {
     hs_box_map map;
-    hs_camera_box_map(&scene->camera, scene->volume, &map);
+    hs_camera_box_map(&scene->maps->camera, scene->volume, &map);
     for (uint32_t j = 0; j < cell; j++)
         for (uint32_t i = 0; i < cell; i++) {
             double box[3];
@@ -145,7 +146,7 @@ typedef struct {
 
 /* Millimetres along the square's sides. */
 static double side_mm(const slices *s, hs_slice_plane p, bool horizontal) {
-    const hs_camera *c = &s->view->camera;
+    const hs_camera *c = &s->view->maps.camera;
     if (p == HS_SLICE_ACROSS) return horizontal ? c->extent : c->depth_extent;
     if (p == HS_SLICE_ALONG) return horizontal ? c->depth_extent : c->extent;
     return c->extent;
@@ -179,7 +180,7 @@ static void draw_frame_of(const slices *s, hs_canvas *on, hs_slice_plane p, doub
     /* Which way the sides run. */
     static const char *const sides[3] = {"→ right, ↓ depth [mm]", "→ depth, ↓ down [mm]",
                                          "→ right, ↓ down [mm]"};
-    const hs_camera *c = &s->view->camera;
+    const hs_camera *c = &s->view->maps.camera;
     const double n = s->cell, right = side_mm(s, p, true), down = side_mm(s, p, false);
     const double width = n * right / s->mm, height = n * down / s->mm;
     char text[96];
@@ -222,15 +223,15 @@ static int by_value(const void *a, const void *b) {
 }
 
 double hs_view_clip_depth(const hs_view *view) {
-    const size_t rays = (size_t)view->map_width * view->map_height;
+    const size_t rays = (size_t)view->maps.width * view->maps.height;
     float *depth = malloc(rays * sizeof *depth);
     size_t count = 0;
     for (size_t i = 0; depth && i < rays; i++)
-        if (view->depth[i] > 0.0f && isfinite(view->depth[i])) depth[count++] = view->depth[i];
+        if (view->maps.depth[i] > 0.0f && isfinite(view->maps.depth[i])) depth[count++] = view->maps.depth[i];
     double median = -1.0;
     if (count > 0) {
         qsort(depth, count, sizeof *depth, by_value);
-        median = ((double)depth[count / 2] + 0.5) / view->slices * view->camera.depth_extent;
+        median = ((double)depth[count / 2] + 0.5) / view->maps.slices * view->maps.camera.depth_extent;
     }
     free(depth);
     return median;
@@ -262,13 +263,9 @@ static bool draw_slices(const slices *s, hs_picture *out, double top, hs_error *
 
 /* Slices through the middle of the picture, in squares that begin with the box. */
 static hs_slice_scene scene_of(const hs_view *view, double depth, double mm) {
-    const hs_camera *c = &view->camera;
+    const hs_camera *c = &view->maps.camera;
     return (hs_slice_scene){.volume = view->volume,
-                            .camera = *c,
-                            .map_width = view->map_width,
-                            .map_height = view->map_height,
-                            .slices = view->slices,
-                            .depth = view->depth,
+                            .maps = &view->maps,
                             .at = {0.5, 0.5, depth},
                             .side = {mm / c->extent, mm / c->extent, mm / c->depth_extent}};
 }
@@ -278,8 +275,8 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
     slices s = {.view = view, .cell = cell ? cell : DEFAULT_CELL};
     const double clip = hs_view_clip_depth(view);
     *out = (hs_picture){0};
-    s.mm = fmax(view->camera.extent, view->camera.depth_extent);
-    s.depth = clip >= 0.0 ? fmin(clip / view->camera.depth_extent, 1.0) : 0.5;
+    s.mm = fmax(view->maps.camera.extent, view->maps.camera.depth_extent);
+    s.depth = clip >= 0.0 ? fmin(clip / view->maps.camera.depth_extent, 1.0) : 0.5;
     s.scene = scene_of(view, s.depth, s.mm);
     const uint32_t top = (caption->title ? TITLE_BAND : GAP) + CAPTION_BAND,
                    facts = hs_draw_line_count(caption->footer);
@@ -297,7 +294,7 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
         hs_draw_text(on, GAP, TITLE_BAND - 14, TITLE_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, width - 2.0 * GAP,
                      caption->title);
     hs_draw_text(on, GAP, top - 9, HEAD_TEXT, HS_COLOUR_TEXT, HS_ALIGN_LEFT, s.cell,
-                 view->frame.clipped ? "Result" : "Result: not clipped");
+                 view->maps.frame.clipped ? "Result" : "Result: not clipped");
     draw_scale(on, GAP, top + s.cell, s.cell, view->picture_mm, true);
     draw_legend(&s, on, top + s.cell + FOOT + 26);
     hs_draw_text(on, GAP + s.cell / 2.0, top + s.cell + 48, SMALL_TEXT, HS_COLOUR_FAINT_TEXT, HS_ALIGN_CENTRE,

@@ -16,12 +16,9 @@ typedef enum { HS_SLICE_ACROSS, HS_SLICE_ALONG, HS_SLICE_AT_DEPTH, HS_SLICE_PLAN
 /* What is cut. Everything is borrowed. Places in the box are 0 .. 1: u right, v down, w away. */
 typedef struct {
     const hs_volume *volume;
-    hs_camera camera;                       /* of the box */
-    uint32_t map_width, map_height, slices; /* of the low-resolution volume */
-    const float *depth;                     /* the depthmap, in its slices */
-    const float *confidence;                /* the plugin's confidence 0 .. 1, or NULL */
-    double at[3];                           /* where the slices lie */
-    double low[3], side[3];                 /* the squares: where they begin, and what of the box they span */
+    const hs_maps *maps;    /* cropped or not */
+    double at[3];           /* where the slices lie */
+    double low[3], side[3]; /* the squares: where they begin, and what of the box they span */
     double band_mm; /* the band's half width where nothing is sure, on either side of the line; 0: none */
     const hs_crop *crop; /* what lies outside is as beside the box; NULL: nothing does */
 } hs_slice_scene;

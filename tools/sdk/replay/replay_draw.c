@@ -87,7 +87,7 @@ static bool draw_result(const easel *e, const hs_cl *cl, const hs_loop_options *
         start.depth =
             clCreateBuffer(cl->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, bytes, e->depth, &code);
         ok = hs_cl_check(code, "clCreateBuffer (the map)", err) && hs_screen_prepare(screen, volume, err) &&
-             hs_screen_render(screen, volume, &view->camera, &start, false, err) &&
+             hs_screen_render(screen, volume, &view->maps.camera, &start, false, err) &&
              hs_screen_read(screen, view->result, err);
     }
     if (start.depth) (void)clReleaseMemObject(start.depth);
@@ -98,16 +98,16 @@ static bool draw_result(const easel *e, const hs_cl *cl, const hs_loop_options *
 
 /* The frame's own maps take the place of those of a loop without a plugin. */
 static void put_maps(easel *e, hs_view *view) {
-    free(view->depth);
-    free(view->status);
-    view->depth = e->depth;
-    view->status = e->status;
+    free(view->maps.depth);
+    free(view->maps.status);
+    view->maps.depth = e->depth;
+    view->maps.status = e->status;
     e->depth = NULL;
     e->status = NULL;
-    view->map_width = view->map_height = e->side;
-    view->slices = e->frame->format.slices;
-    view->frame.outcome = e->frame->outcome;
-    view->frame.clipped = e->frame->outcome == SV_OK || e->frame->outcome == SV_PARTIAL;
+    view->maps.width = view->maps.height = e->side;
+    view->maps.slices = e->frame->format.slices;
+    view->maps.frame.outcome = e->frame->outcome;
+    view->maps.frame.clipped = e->frame->outcome == SV_OK || e->frame->outcome == SV_PARTIAL;
 }
 
 static bool draw(easel *e, const hs_cl *cl, const char *title, const char *folder, hs_error *err) {
@@ -128,7 +128,7 @@ static bool draw(easel *e, const hs_cl *cl, const char *title, const char *folde
         put_maps(e, &view);
     }
     ok = ok && hs_loop_write_pictures(&view, folder, title,
-                                      hs_frame_note(&view.frame, NULL, text, sizeof text), 0, err);
+                                      hs_frame_note(&view.maps.frame, NULL, text, sizeof text), 0, err);
     hs_view_free(&view);
     hs_loop_destroy(loop);
     return ok;
