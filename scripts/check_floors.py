@@ -34,6 +34,7 @@ src/frame | abi shared kernels src src/ref src/device src/method . | libc opencl
 src/abi | abi shared src src/device src/method src/frame . | libc opencl
 host_sim/base/system_windows.c | . | libc windows
 host_sim/base | . | libc json
+host_sim/guard/child_windows.c | host_sim/base . | libc windows
 host_sim/guard | host_sim/base . | libc
 host_sim/volume | host_sim/base . | libc zlib
 host_sim/picture | host_sim/base . | libc drawing
@@ -81,7 +82,7 @@ GROUPS = {
             "string.h strings.h threads.h time.h unistd.h wchar.h sys/*",
     "opencl": "CL/*",
     "elf": "elf.h link.h",
-    "windows": "io.h sddl.h shellapi.h windows.h",
+    "windows": "io.h psapi.h sddl.h shellapi.h windows.h",
     "futex": "linux/futex.h",
     "zlib": "zlib.h",
     "json": "jansson.h",

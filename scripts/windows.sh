@@ -91,7 +91,8 @@ SMARTVIS_CHECK_PLUGIN=$build/tests/plugins/plane.so SMARTVIS_RECORD=$out/plane.s
 line=0
 while read -r name; do
     case $name in
-    by_crash | by_leave) says='left by exit' ;;
+    by_crash) says='crashed: access violation' ;;
+    by_leave) says='left by exit' ;;
     by_hang) says='ran out of time' ;;
     *) says='' ;;
     esac
@@ -101,10 +102,14 @@ while read -r name; do
         code=0
         timeout 120 wine "$replay" "$out/plane.svr" --plugin "$out/$name.dll" --set fail=slab --guard-time 5,8 > "$out/there.txt" 2>&1 || code=$?
         grep -q "$name.dll: $says" "$out/there.txt" && [ $code = 4 ] || { cat "$out/there.txt" >&2; echo "windows: $name: exit code $code, expected 4" >&2; exit 1; }
+        (cd "$out" && timeout 120 wine plugin/host_sim.exe run --scene E01 --size 32 --frames 2 --picture 32 --few-pictures --setting smartvis \
+            --plugin $name.dll --set fail=slab --guard-time 2,8 --out run) > "$out/there.txt" 2>&1 || true
+        grep -q "$name.dll: slab: SV_ERR_INTERNAL (-1): $says.*in slab 2 of 2" "$out/there.txt" && grep -q 'unclipped: 0 by the plugin.s note, 2 by its failure' "$out/there.txt" ||
+            { cat "$out/there.txt" >&2; echo "windows: host_sim and $name: expected two unclipped frames" >&2; exit 1; }
     fi
     line=$((line + 1))
 done < <(sed -n 's/^    {"\([a-z0-9_]*\)".*/\1/p' tests/machine/plugins/plane.c)
-echo "windows: plugins that crash, leave and hang are named"
+echo "windows: plugins that crash, leave and hang are named, and host_sim renders unclipped"
 # Paths that Windows reads otherwise: a device, a stream, a folder, a name that is longer than a path, and what is not there.
 long=$(printf 'n%.0s' {1..300})
 for path in CON nul.svr "$record:stream" "$out" "$out/$long.svr" 'C:\missing.svr' '\\.\pipe\none'; do

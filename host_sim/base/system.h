@@ -79,6 +79,9 @@ void sys_close_when_unloaded(void *library);
 /* A variable's value as UTF-8; false, and "", if it is not set or longer. */
 bool sys_environment(const char *name, char *value, size_t bytes);
 
+/* Sets a variable, unless it is set. */
+void sys_set_default(const char *name, const char *value);
+
 /* Before Ctrl-C or the system's request ends the program, unless it is ignored or somebody else wants it,
  * `clean_up` removes files: on any thread, amid anything. */
 void sys_when_ended(void (*clean_up)(void));
@@ -93,5 +96,24 @@ void sys_aligned_free(void *memory);
  * NULL, false: no memory. */
 FILE *sys_memory_open(char **text, size_t *bytes);
 bool sys_memory_close(FILE *stream, char **text, size_t *bytes);
+
+/* Closes all but standard input, output and error, where the system has files that a caller left open by
+ * mistake. */
+void sys_close_others(void);
+
+/* Memory that children share, as a handle that is passed on (guard/child.h); -1. Its size stays; 0: as
+ * sys_shared_resize says. What is never used takes none. */
+intptr_t sys_shared_new(size_t bytes);
+bool sys_shared_resize(intptr_t shared, size_t bytes);
+void sys_shared_close(intptr_t shared);
+
+/* A handle of the same memory that can only be mapped for reading. */
+intptr_t sys_shared_reader(intptr_t shared);
+
+/* NULL: there is no such memory, or not as much. sys_shared_use comes before the first access to a part of
+ * it, in every process; false: no memory. */
+void *sys_shared_map(intptr_t shared, size_t bytes, bool writes);
+bool sys_shared_use(void *at, size_t bytes, bool writes);
+void sys_shared_unmap(void *at, size_t bytes);
 
 #endif

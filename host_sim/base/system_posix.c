@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -156,9 +157,61 @@ FILE *sys_memory_open(char **text, size_t *bytes) {
     return open_memstream(text, bytes);
 }
 
+void sys_set_default(const char *name, const char *value) {
+    (void)setenv(name, value, 0);
+}
+
 /* NOLINTNEXTLINE(readability-non-const-parameter): the other system writes there */
 bool sys_memory_close(FILE *stream, char **text, size_t *bytes) {
     (void)text;
     (void)bytes;
     return fclose(stream) == 0;
+}
+
+void sys_close_others(void) {
+    closefrom(3);
+}
+
+/* Of a size that stays it is sealed: nobody can take it away. */
+intptr_t sys_shared_new(size_t bytes) {
+    const int file = memfd_create("shared", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    if (file < 0 || bytes == 0 ||
+        (ftruncate(file, (off_t)bytes) == 0 &&
+         fcntl(file, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0))
+        return file;
+    (void)close(file);
+    return -1;
+}
+
+bool sys_shared_resize(intptr_t shared, size_t bytes) {
+    return ftruncate((int)shared, (off_t)bytes) == 0;
+}
+
+void sys_shared_close(intptr_t shared) {
+    if (shared >= 0) (void)close((int)shared);
+}
+
+intptr_t sys_shared_reader(intptr_t shared) {
+    char path[64];
+    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", (int)shared);
+    return open(path, O_RDONLY | O_CLOEXEC);
+}
+
+void *sys_shared_map(intptr_t shared, size_t bytes, bool writes) {
+    struct stat there;
+    if (fstat((int)shared, &there) != 0 || (size_t)there.st_size < bytes) return NULL;
+    void *at = mmap(NULL, bytes, writes ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED | MAP_NORESERVE,
+                    (int)shared, 0);
+    return at == MAP_FAILED ? NULL : at;
+}
+
+bool sys_shared_use(void *at, size_t bytes, bool writes) { /* NOLINT(readability-non-const-parameter) */
+    (void)at;
+    (void)bytes;
+    (void)writes;
+    return true;
+}
+
+void sys_shared_unmap(void *at, size_t bytes) {
+    if (at) (void)munmap(at, bytes);
 }

@@ -288,6 +288,10 @@ FILE *sys_memory_open(char **text, size_t *bytes) {
     return file >= 0 ? _fdopen(file, "w+b") : NULL;
 }
 
+void sys_set_default(const char *name, const char *value) {
+    if (!getenv(name)) (void)_putenv_s(name, value);
+}
+
 bool sys_memory_close(FILE *stream, char **text, size_t *bytes) {
     const bool written = fflush(stream) == 0 && ferror(stream) == 0;
     const long long length = _filelengthi64(_fileno(stream));
@@ -303,4 +307,49 @@ bool sys_memory_close(FILE *stream, char **text, size_t *bytes) {
     *text = whole;
     *bytes = (size_t)length;
     return true;
+}
+
+/* A handle is inherited only if the caller wants it. */
+void sys_close_others(void) {}
+
+#define LARGEST_SHARED                                                                                       \
+    (UINT64_C(8) << 30) /* of a size that is not known: Windows keeps 2 bytes for each KiB */
+
+intptr_t sys_shared_new(size_t bytes) {
+    SECURITY_ATTRIBUTES inherited = {.nLength = sizeof inherited, .bInheritHandle = TRUE};
+    const uint64_t most = bytes ? bytes : LARGEST_SHARED;
+    const HANDLE shared = CreateFileMappingW(INVALID_HANDLE_VALUE, &inherited, PAGE_READWRITE | SEC_RESERVE,
+                                             (DWORD)(most >> 32), (DWORD)most, NULL);
+    return shared ? (intptr_t)shared : fail() - 1;
+}
+
+bool sys_shared_resize(intptr_t shared, size_t bytes) {
+    (void)shared;
+    return bytes <= LARGEST_SHARED;
+}
+
+void sys_shared_close(intptr_t shared) {
+    if (shared != -1) (void)CloseHandle((HANDLE)shared);
+}
+
+intptr_t sys_shared_reader(intptr_t shared) {
+    HANDLE reader;
+    const HANDLE self = GetCurrentProcess();
+    return DuplicateHandle(self, (HANDLE)shared, self, &reader, FILE_MAP_READ, TRUE, 0) ? (intptr_t)reader
+                                                                                        : fail() - 1;
+}
+
+void *sys_shared_map(intptr_t shared, size_t bytes, bool writes) {
+    void *at = MapViewOfFile((HANDLE)shared, writes ? FILE_MAP_WRITE : FILE_MAP_READ, 0, 0, bytes);
+    if (!at) (void)fail();
+    return at;
+}
+
+bool sys_shared_use(void *at, size_t bytes, bool writes) {
+    return VirtualAlloc(at, bytes, MEM_COMMIT, writes ? PAGE_READWRITE : PAGE_READONLY) || fail();
+}
+
+void sys_shared_unmap(void *at, size_t bytes) {
+    (void)bytes;
+    if (at) (void)UnmapViewOfFile(at);
 }

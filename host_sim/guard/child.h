@@ -4,10 +4,10 @@
  * be ended with all that it started, and how it ended is a value and a sentence. It protects from mistakes,
  * not from attacks: the code runs with the user's rights.
  *
- * The child has a process group of its own, dies with its parent, leaves no core dump and reads nothing from
- * the terminal. What it has started ends with it, in whatever session: this process and the child are
- * subreapers, so orphans come to one of them. Parent and child talk through a channel, a socket that keeps
- * messages apart (SOCK_SEQPACKET).
+ * The child is a program with arguments, most often this program once more. It dies with its parent, leaves
+ * no core dump and reads nothing from the terminal. What it has started ends with it: on Linux in whatever
+ * session, for this process and the child are subreapers, so orphans come to one of them; on Windows by a
+ * job. Parent and child talk through a channel that keeps messages apart.
  */
 #ifndef HS_CHILD_H
 #define HS_CHILD_H
@@ -16,18 +16,25 @@
 
 #include <stddef.h>
 #include <stdint.h>
-#include <sys/types.h>
+
+/* Where its standard output and error go. */
+typedef enum {
+    HS_CHILD_SHOWN,  /* to the parent's standard error, while that waits */
+    HS_CHILD_SPEAKS, /* where the parent's go */
+    HS_CHILD_MUTE
+} hs_child_voice;
 
 /* What a child may take; 0 is no limit. */
 typedef struct {
     uint64_t memory_bytes; /* memory of its own that it has touched (shared mappings do not count) */
-    uint64_t said_bytes;   /* of its output that are shown until hs_child_dropped; with hs_child_exec only */
+    uint64_t said_bytes;   /* of its output that are shown until hs_child_dropped */
+    hs_child_voice voice;
 } hs_child_limits;
 
 typedef enum {
     HS_CHILD_RUNS = 0,
     HS_CHILD_LEFT,    /* it ended by itself, or something in it called exit: `number` is the exit code */
-    HS_CHILD_CRASHED, /* a signal ended it: `number` */
+    HS_CHILD_CRASHED, /* a signal, or Windows' exception, ended it: `number` */
     HS_CHILD_LATE,    /* it was ended because its time was over */
     HS_CHILD_GREEDY,  /* it was ended because it took too much memory */
     HS_CHILD_SILENT,  /* it was ended because it closed its channel or wrote nonsense into it */
@@ -45,29 +52,43 @@ typedef struct {
 /* Owned by the caller; its functions are called from one thread, the one that started it. Zeroed: there is
  * none. */
 typedef struct {
-    pid_t pid;   /* 0: none, or it ended */
-    int channel; /* the parent's end; valid while there is a child and until hs_child_close */
-    int output;  /* what it prints comes out here; -1: nothing more */
+    intptr_t process;   /* 0: none, or it ended; on Linux its id */
+    intptr_t channel;   /* the parent's end; valid while there is a child and until hs_child_close */
+    intptr_t output;    /* what it prints comes out here; -1: nothing more */
+    intptr_t job, bell; /* Windows' own */
     uint64_t said;
     hs_child_limits limits;
     hs_child_end end;
 } hs_child;
 
-/* Runs `work` in a fork of this process, which must have one thread and must not have touched OpenCL. The
- * child ends by _exit with what `work` returns: no exit handlers, no flush of what the parent had buffered.
- * HS_ERR_MEMORY. */
-bool hs_child_fork(hs_child *child, const hs_child_limits *limits, int (*work)(int channel, void *context),
-                   void *context, hs_error *err);
+#define HS_CHILD_MAX_PASSED 8u /* handles that can be handed to a child */
 
-#define HS_CHILD_CHANNEL    3  /* the channel's descriptor in a program that hs_child_exec started */
-#define HS_CHILD_MAX_PASSED 8u /* descriptors that can be handed to it */
+/* Starts a program; NULL: this one. Of the parent it has standard input (empty), output and error, and what
+ * is `passed`: descriptors, on Windows handles that can be inherited. A last argument tells it where these
+ * are. `argv` ends with NULL. HS_ERR_MEMORY (no process), HS_ERR_INPUT (the program cannot be run). */
+bool hs_child_start(hs_child *child, const hs_child_limits *limits, const char *program, char *const argv[],
+                    const intptr_t *passed, uint32_t passed_count, hs_error *err);
 
-/* Starts a program, from a process of any kind. Of the parent's descriptors it has standard input (empty),
- * output and error (both shown on the parent's standard error while it waits), the channel (3) and the
- * `passed` ones (4, 5, ...). `argv` ends with NULL. HS_ERR_MEMORY (no process), HS_ERR_INPUT (the program
- * cannot be run). */
-bool hs_child_exec(hs_child *child, const hs_child_limits *limits, const char *program, char *const argv[],
-                   const int *passed, uint32_t passed_count, hs_error *err);
+/* This program again, with the arguments that hs_child_take has seen. */
+bool hs_child_again(hs_child *child, const hs_child_limits *limits, const intptr_t *passed,
+                    uint32_t passed_count, hs_error *err);
+
+/* First in main, of programs that can be a child: takes the last argument away, if it is that of a child.
+ * True: it was. */
+bool hs_child_take(int *argc, char **argv);
+
+/* In a child: its channel (0), and what was passed (1, 2, ...); -1: nothing. */
+intptr_t hs_child_passed(uint32_t n);
+
+/* True in a process that hs_child_take has found to be a child. */
+bool hs_child_is_one(void);
+
+/* In a child, after foreign code has run: a copy of it that came back from a fork ends, and without its
+ * channel it waits to be ended. */
+void hs_child_look_around(void);
+
+/* Ends this process, and nothing is done on the way: no exit handlers, no flush. */
+_Noreturn void hs_child_leave(int code);
 
 /* What waiting came to. */
 typedef enum {
@@ -96,8 +117,8 @@ void hs_child_close(hs_child *child);
 
 /* One whole message through a channel, from either side. `bytes` is its exact length. False if the other side
  * has gone, or (receive) the message has another length; receive waits for one. */
-bool hs_child_send(int channel, const void *message, size_t bytes);
-bool hs_child_receive(int channel, void *message, size_t bytes);
+bool hs_child_send(intptr_t channel, const void *message, size_t bytes);
+bool hs_child_receive(intptr_t channel, void *message, size_t bytes);
 
 /* "crashed: SIGSEGV", "aborted", "left by exit(0)", "ran out of time (2.0 s)", "took more than 1024 MiB". */
 void hs_child_tell(const hs_child_end *end, char *out, size_t bytes);

@@ -26,8 +26,8 @@
 #define HS_GUARD_MAX_VALUES 1024u
 #define HS_GUARD_EXTENSIONS 16u /* ids of a descriptor; of more the rest are left out */
 
-/* Descriptors that hs_child_exec passes on, behind the channel. */
-enum { HS_GUARD_BLOCK_FD = 4, HS_GUARD_SLABS_FD = 5 };
+/* What is passed to the child. */
+enum { HS_GUARD_PASSED_BLOCK = 1, HS_GUARD_PASSED_SLABS };
 
 typedef enum {
     HS_GUARD_OPEN = 1, /* library, descriptors, create, parameters: open, then facts */

@@ -2,54 +2,44 @@
 #include "guarded/guard_link.h"
 
 #include "base/progress.h"
+#include "base/system.h"
 #include "base/text.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #define OUTPUT_KIB  64u /* of a frame's log and prints that are shown */
 #define EXTRA_CALLS 8u  /* of a message, beside one a slab: begin, end, the queue, extensions */
 
 /* ------------------------------------------------------------------------------------------- memory -- */
 
+/* As large as it can get. */
+static size_t block_bytes(void) {
+    return hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
+}
+
 bool hs_guard_link_create(hs_guard *guard, hs_error *err) {
-    /* As large as it can get: only what is touched takes memory. Sealed, so that the child cannot take it
-     * away. */
-    const size_t bytes = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
-    char path[64];
-    guard->block_fd = memfd_create("guard", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    guard->slabs_fd = memfd_create("guard slabs", MFD_CLOEXEC);
-    guard->slabs_read_fd = -1;
-    if (guard->block_fd < 0 || guard->slabs_fd < 0 || ftruncate(guard->block_fd, (off_t)bytes) != 0 ||
-        fcntl(guard->block_fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
+    guard->block_shared = sys_shared_new(block_bytes());
+    guard->slabs_shared = sys_shared_new(0);
+    guard->slabs_reader = guard->slabs_shared < 0 ? -1 : sys_shared_reader(guard->slabs_shared);
+    guard->block = sys_shared_map(guard->block_shared, block_bytes(), true);
+    if (guard->slabs_reader < 0 || !guard->block ||
+        !sys_shared_use(guard->block, hs_guard_block_bytes(), true))
         return hs_fail(err, HS_ERR_MEMORY, "guard: no shared memory: %s", strerror(errno));
-    /* The child's way to the slabs: opened anew, for reading only. */
-    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", guard->slabs_fd);
-    guard->slabs_read_fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (guard->slabs_read_fd < 0) return hs_fail(err, HS_ERR_MEMORY, "guard: %s: %s", path, strerror(errno));
-    void *block = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, guard->block_fd, 0);
-    if (block == MAP_FAILED)
-        return hs_fail(err, HS_ERR_MEMORY, "guard: cannot map %zu bytes: %s", bytes, strerror(errno));
-    guard->block = block;
     guard->block->magic = HS_GUARD_MAGIC;
     return true;
 }
 
 void hs_guard_link_destroy(hs_guard *guard) {
-    const size_t bytes = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
     hs_guard_end_child(guard);
-    if (guard->block) (void)munmap(guard->block, bytes);
-    if (guard->slabs) (void)munmap(guard->slabs, guard->slabs_bytes);
-    if (guard->block_fd >= 0) (void)close(guard->block_fd);
-    if (guard->slabs_fd >= 0) (void)close(guard->slabs_fd);
-    if (guard->slabs_read_fd >= 0) (void)close(guard->slabs_read_fd);
+    sys_shared_unmap(guard->block, block_bytes());
+    sys_shared_unmap(guard->slabs, guard->slabs_bytes);
+    sys_shared_close(guard->block_shared);
+    sys_shared_close(guard->slabs_shared);
+    sys_shared_close(guard->slabs_reader);
 }
 
 void *hs_guard_map_of(const hs_guard *guard, hs_guard_map map) {
@@ -81,7 +71,7 @@ static void tell_dropped(hs_guard *guard) {
 }
 
 void hs_guard_end_child(hs_guard *guard) {
-    if (guard->child.pid) hs_child_kill(&guard->child, HS_CHILD_GONE, 0);
+    if (guard->child.process) hs_child_kill(&guard->child, HS_CHILD_GONE, 0);
     tell_dropped(guard);
     hs_child_close(&guard->child);
 }
@@ -145,7 +135,8 @@ static void note_error(hs_guard *guard) {
 sv_status hs_guard_ask(hs_guard *guard, hs_guard_op op, double limit) {
     const hs_guard_order order = {.op = op, .number = ++guard->number};
     hs_guard_reply reply;
-    if (!guard->child.pid) return hs_guard_refuse(guard, SV_ERR_STATE, "guard", "the plugin has no process");
+    if (!guard->child.process)
+        return hs_guard_refuse(guard, SV_ERR_STATE, "guard", "the plugin has no process");
     if (op <= HS_GUARD_ADJUST) tell_dropped(guard);
     guard->block->slab_count = guard->slab_count;
     guard->block->call[0] = '\0';
@@ -162,14 +153,12 @@ sv_status hs_guard_ask(hs_guard *guard, hs_guard_op op, double limit) {
 /* ------------------------------------------------------------------------------- start and restart -- */
 
 bool hs_guard_start(hs_guard *guard, hs_error *err) {
-    char program[PATH_MAX];
     const hs_child_limits limits = {.memory_bytes = guard->options.memory_bytes,
                                     .said_bytes = (uint64_t)OUTPUT_KIB << 10};
-    const int passed[] = {guard->block_fd, guard->slabs_read_fd};
-    (void)snprintf(program, sizeof program, "%s", hs_guard_program());
-    char command[] = HS_GUARD_COMMAND;
-    char *const argv[] = {program, command, NULL};
-    if (!hs_child_exec(&guard->child, &limits, program, argv, passed, 2, err)) return false;
+    const intptr_t passed[] = {guard->block_shared, guard->slabs_reader};
+    char name[] = "host_sim", command[] = HS_GUARD_COMMAND;
+    char *const argv[] = {name, command, NULL};
+    if (!hs_child_start(&guard->child, &limits, hs_guard_program(), argv, passed, 2, err)) return false;
     hs_guard_block *block = guard->block;
     (void)snprintf(block->path, sizeof block->path, "%s", guard->path);
     (void)snprintf(block->id, sizeof block->id, "%s", guard->id);
@@ -179,7 +168,7 @@ bool hs_guard_start(hs_guard *guard, hs_error *err) {
     block->error.code = HS_OK;
     const sv_status status = hs_guard_ask(guard, HS_GUARD_OPEN, guard->options.setup_s);
     if (status == SV_OK) return true;
-    if (!guard->child.pid) return hs_fail(err, HS_ERR_PLUGIN, "%s: %s", guard->path, guard->last_error);
+    if (!guard->child.process) return hs_fail(err, HS_ERR_PLUGIN, "%s: %s", guard->path, guard->last_error);
     hs_guard_end_child(guard);
     if (guard->last_error[0] == '\0')
         return hs_fail(err, HS_ERR_PLUGIN, "%s: its process refuses it without a reason", guard->path);
@@ -188,6 +177,8 @@ bool hs_guard_start(hs_guard *guard, hs_error *err) {
 
 sv_status hs_guard_activate(hs_guard *guard) {
     hs_guard_block *block = guard->block;
+    if (!sys_shared_use(block, hs_guard_map_offset(HS_GUARD_MAPS, guard->pixels), true))
+        return hs_guard_refuse(guard, SV_ERR_NO_MEMORY, "activate", "no shared memory for the maps");
     block->format = guard->format;
     block->format.values = NULL;
     block->way = guard->way;
@@ -201,7 +192,7 @@ sv_status hs_guard_activate(hs_guard *guard) {
 
 bool hs_guard_revive(hs_guard *guard) {
     hs_error err = {0};
-    if (guard->child.pid) return true;
+    if (guard->child.process) return true;
     if (guard->restarts >= guard->options.restarts) {
         (void)snprintf(guard->last_error, sizeof guard->last_error,
                        "ended %u times, and is not started any more", guard->restarts + 1u);
@@ -228,10 +219,10 @@ static void give(void *out, uint32_t size, const void *report, size_t bytes) {
 static bool follow(hs_guard *guard, uint32_t what) {
     guard->habit |= what;
     if (guard->settled & what) return true;
-    if (!guard->child.pid) return false;
+    if (!guard->child.process) return false;
     guard->block->follow = what;
     (void)hs_guard_ask(guard, HS_GUARD_FOLLOW, guard->options.frame_s);
-    if (!guard->child.pid) return false;
+    if (!guard->child.process) return false;
     guard->settled |= what;
     return true;
 }

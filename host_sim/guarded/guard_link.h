@@ -23,10 +23,10 @@ typedef struct {
     uint32_t restarts;
 
     hs_guard_block *block; /* shared; the child may write anything into it at any time */
-    int block_fd;
+    intptr_t block_shared;
     uint8_t *slabs; /* shared, read-only for the child */
     size_t slabs_bytes;
-    int slabs_fd, slabs_read_fd;
+    intptr_t slabs_shared, slabs_reader;
 
     char path[1024], id[256]; /* what was opened */
     bool has_id;

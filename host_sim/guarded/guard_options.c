@@ -9,12 +9,15 @@
 #include <string.h>
 
 static char program[SYS_PATH + 16];
+static bool itself;
 
 void hs_guard_set_program(const char *path) {
-    (void)snprintf(program, sizeof program, "%s", path);
+    itself = !path;
+    (void)snprintf(program, sizeof program, "%s", path ? path : "");
 }
 
 const char *hs_guard_program(void) {
+    if (itself) return NULL;
     if (program[0] == '\0' && !hs_path_beside_program("host_sim", program, sizeof program))
         (void)snprintf(program, sizeof program, "./host_sim");
     return program;
@@ -31,12 +34,13 @@ void hs_guard_defaults(hs_guard_options *options) {
 bool hs_guard_wanted(const hs_guard_options *options, const char *path) {
     /* Where the build and an installation put it. Other folders, those of the environment too, are not the
      * host's. */
-    static const char *const own[] = {"smartvis.so", "../lib/smartvis/smartvis.so"};
-    char beside[SYS_PATH];
+    static const char *const own[] = {"smartvis", "../lib/smartvis/smartvis"};
+    char name[64], beside[SYS_PATH];
     if (options->choice != HS_GUARD_AUTO) return options->choice == HS_GUARD_ON;
-    for (size_t i = 0; i < sizeof own / sizeof *own; i++)
-        if (hs_path_beside_program(own[i], beside, sizeof beside) && sys_same_file(path, beside))
-            return false;
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++) {
+        (void)snprintf(name, sizeof name, "%s%s", own[i], sys_library_ending);
+        if (hs_path_beside_program(name, beside, sizeof beside) && sys_same_file(path, beside)) return false;
+    }
     return true;
 }
 

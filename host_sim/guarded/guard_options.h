@@ -28,7 +28,8 @@ void hs_guard_defaults(hs_guard_options *options);
 /* True if the library at `path` is to be guarded. */
 bool hs_guard_wanted(const hs_guard_options *options, const char *path);
 
-/* The program that serves as the child: by default host_sim beside the running program. */
+/* The program that serves as the child: by default host_sim beside the running program. NULL: the running
+ * one. */
 void hs_guard_set_program(const char *path);
 const char *hs_guard_program(void);
 

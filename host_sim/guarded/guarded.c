@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "guarded/guarded.h"
 
+#include "base/system.h"
 #include "base/text.h"
 #include "guarded/guard_link.h"
 
@@ -8,8 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 /* ---------------------------------------------------------------------------------------- activation -- */
 
@@ -35,7 +34,7 @@ static sv_status guarded_activate(const sv_plugin *plugin, const sv_format *form
 
 static void guarded_deactivate(const sv_plugin *plugin) {
     hs_guard *guard = hs_guard_of(plugin);
-    if (guard->active && guard->child.pid)
+    if (guard->active && guard->child.process)
         (void)hs_guard_ask(guard, HS_GUARD_DEACTIVATE, guard->options.setup_s);
     guard->active = false;
 }
@@ -43,7 +42,7 @@ static void guarded_deactivate(const sv_plugin *plugin) {
 /* Ends the child as it is meant to: deactivate, destroy. Nothing may be asked of it after that. */
 static void hs_guarded_end(hs_guard *guard) {
     guarded_deactivate(&guard->instance);
-    if (guard->child.pid) (void)hs_guard_ask(guard, HS_GUARD_CLOSE, guard->options.setup_s);
+    if (guard->child.process) (void)hs_guard_ask(guard, HS_GUARD_CLOSE, guard->options.setup_s);
     hs_guard_end_child(guard);
 }
 
@@ -123,8 +122,8 @@ static sv_status deliver(hs_guard *guard, hs_guard_op op, const sv_result *resul
     hand_in(guard, result);
     const uint32_t follow = guard->block->follow;
     const sv_status status = hs_guard_ask(guard, op, guard->options.frame_s);
-    guard->settled = guard->child.pid ? follow : 0;
-    if (guard->child.pid) hand_out(guard, result);
+    guard->settled = guard->child.process ? follow : 0;
+    if (guard->child.process) hand_out(guard, result);
     return status;
 }
 
@@ -138,7 +137,7 @@ static sv_status guarded_adjust(const sv_plugin *plugin, const sv_param_value *v
                                 const sv_result *result) {
     hs_guard *guard = hs_guard_of(plugin);
     if (!guard->active) return hs_guard_refuse(guard, SV_ERR_STATE, "adjust", "not active");
-    if (!guard->child.pid || guard->lost_frame)
+    if (!guard->child.process || guard->lost_frame)
         return hs_guard_refuse(guard, SV_ERR_STATE, "adjust", "the frame was lost with the plugin's process");
     if (count > HS_GUARD_MAX_VALUES)
         return hs_guard_refuse(guard, SV_ERR_ARGUMENT, "adjust", "more values than the guard takes");
@@ -176,14 +175,14 @@ static sv_status guarded_param_text(const sv_plugin *plugin, uint32_t id, double
                                     uint32_t bytes) {
     hs_guard *guard = hs_guard_of(plugin);
     hs_guard_block *block = guard->block;
-    if (!guard->child.pid || bytes == 0) return SV_ERR_STATE;
+    if (!guard->child.process || bytes == 0) return SV_ERR_STATE;
     const uint32_t room = bytes < sizeof block->text ? bytes : (uint32_t)sizeof block->text;
     block->number = id;
     block->value = value;
     block->text_bytes = room;
     memcpy(block->text, out, room); /* what the plugin leaves as it is */
     const sv_status status = hs_guard_ask(guard, HS_GUARD_TEXT, guard->options.frame_s);
-    if (guard->child.pid) memcpy(out, block->text, room);
+    if (guard->child.process) memcpy(out, block->text, room);
     return status;
 }
 
@@ -333,19 +332,18 @@ void hs_guarded_route(const hs_plugin *plugin, hs_handover way) {
 
 void *hs_guarded_memory(const hs_plugin *plugin, size_t bytes, hs_error *err) {
     hs_guard *guard = guard_of(plugin);
-    if (guard->slabs) (void)munmap(guard->slabs, guard->slabs_bytes);
+    sys_shared_unmap(guard->slabs, guard->slabs_bytes);
     guard->slabs = NULL;
     guard->slabs_bytes = bytes;
-    if (ftruncate(guard->slabs_fd, 0) != 0 || ftruncate(guard->slabs_fd, (off_t)bytes) != 0) {
+    void *at = sys_shared_resize(guard->slabs_shared, bytes)
+                   ? sys_shared_map(guard->slabs_shared, bytes, true)
+                   : NULL;
+    if (!at || !sys_shared_use(at, bytes, true)) {
         (void)hs_fail(err, HS_ERR_MEMORY, "guard: no %zu bytes for slabs: %s", bytes, strerror(errno));
+        sys_shared_unmap(at, bytes);
         return NULL;
     }
-    void *at = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, guard->slabs_fd, 0);
-    if (at == MAP_FAILED) {
-        (void)hs_fail(err, HS_ERR_MEMORY, "guard: cannot map %zu bytes of slabs: %s", bytes, strerror(errno));
-        return NULL;
-    }
-    guard->slabs = at;
+    guard->slabs = memset(at, 0, bytes);
     return at;
 }
 
@@ -356,7 +354,7 @@ const char *hs_guarded_call(const hs_plugin *plugin, const char *call) {
 
 bool hs_guarded_lives(const hs_plugin *plugin) {
     const hs_guard *guard = guard_of(plugin);
-    return !guard || guard->child.pid != 0;
+    return !guard || guard->child.process != 0;
 }
 
 const hs_error *hs_guarded_ended(const hs_plugin *plugin) {

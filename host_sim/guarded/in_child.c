@@ -15,51 +15,42 @@ typedef struct {
     char label[60]; /* of what is under way */
 } news;
 
-typedef struct {
-    int (*work)(void *context);
-    void *context;
-} job;
-
-static int channel; /* in the child; 0: there is none */
-
 /* A step of what has this label was taken. */
 static void tell(const char *label) {
     static double last;
     static news n;
     const double now = hs_now();
-    if (channel == 0 || now - last < TELL_EVERY_S) return;
+    if (!hs_child_is_one() || now - last < TELL_EVERY_S) return;
     last = now;
     if (label) (void)snprintf(n.label, sizeof n.label, "%s", label);
-    (void)hs_child_send(channel, &n, sizeof n);
+    (void)hs_child_send(hs_child_passed(0), &n, sizeof n);
 }
 
 void hs_child_goes_on(void) {
     tell(NULL);
 }
 
-static int perform(int to_parent, void *context) {
-    const job *j = context;
+static _Noreturn void perform(int (*work)(void *context), void *context) {
     const news end = {.done = true};
-    channel = to_parent;
     hs_progress_tell(tell);
-    const int code = j->work(j->context);
+    const int code = work(context);
     (void)fflush(NULL);
-    (void)hs_child_send(channel, &end, sizeof end);
-    return code;
+    (void)hs_child_send(hs_child_passed(0), &end, sizeof end);
+    hs_child_leave(code);
 }
 
 int hs_work_in_child(const hs_guard_options *guard, const char *plugin, const char *doing,
                      int (*work)(void *context), void *context, hs_error *err) {
-    const hs_child_limits limits = {.memory_bytes = guard->memory_bytes};
+    const hs_child_limits limits = {.memory_bytes = guard->memory_bytes, .voice = HS_CHILD_SPEAKS};
     char found[1024], how[128];
-    job j = {work, context};
     news last = {0}, heard;
     hs_child child;
     hs_child_news what = HS_CHILD_MESSAGE;
+    if (hs_child_is_one()) perform(work, context);
     hs_plugin_find(plugin, found, sizeof found);
     if (!hs_guard_wanted(guard, found)) return work(context);
     (void)fflush(NULL);
-    if (!hs_child_fork(&child, &limits, perform, &j, err)) return (int)err->code;
+    if (!hs_child_again(&child, &limits, NULL, 0, err)) return (int)err->code;
     while ((what = hs_child_wait(&child, guard->setup_s)) == HS_CHILD_MESSAGE) {
         if (!hs_child_receive(child.channel, &heard, sizeof heard)) hs_child_kill(&child, HS_CHILD_SILENT, 0);
         last = heard;

@@ -9,9 +9,10 @@
 
 #include "guarded/guard_options.h"
 
-/* `work` in a child if the library is to be guarded, else in this process, which must have one thread and
- * must not have touched OpenCL. Returns the exit code; HS_ERR_PLUGIN if the child ended otherwise, or said
- * nothing for guard->setup_s: "PATH: crashed: SIGSEGV while DOING (...)". */
+/* `work` in a child if the library is to be guarded, else in this process. The child is this program with the
+ * same arguments (hs_child_take), comes here on the same way, and does not return. Returns the exit code;
+ * HS_ERR_PLUGIN if the child ended otherwise, or said nothing for guard->setup_s: "PATH: crashed: SIGSEGV
+ * while DOING (...)". */
 int hs_work_in_child(const hs_guard_options *guard, const char *plugin, const char *doing,
                      int (*work)(void *context), void *context, hs_error *err);
 

@@ -1,38 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/progress.h"
+#include "base/system.h"
 #include "guard/child.h"
 #include "guarded/guard_block.h"
 #include "guarded/serve_carrier.h"
 #include "plugin/capabilities.h"
 
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 typedef struct {
     hs_guard_block *block; /* with the maps behind it */
     hs_plugin plugin;
     hs_carrier carrier;
     bool active;
-    pid_t self;
 } server_state;
-
-/* After a call of the plugin, before anything else is said. */
-static void look_around(const server_state *server) {
-    if (getpid() != server->self) _exit(0); /* a copy that came back from a fork in the plugin */
-    /* Without its channel this process is of no use. The host sees it closed, and ends it in this call. */
-    while (fcntl(HS_CHILD_CHANNEL, F_GETFD) < 0) (void)pause();
-}
 
 /* Notes the call that is made next, for whoever tells how this process ended. `step` of `steps`, or 0 of
  * 0. */
 static void enter_call(server_state *server, const char *call, uint32_t step, uint32_t steps) {
     hs_guard_block *block = server->block;
-    look_around(server);
+    hs_child_look_around();
     (void)snprintf(block->call, sizeof block->call, "%s", call);
     block->step = step;
     block->steps = steps;
@@ -237,6 +226,9 @@ static sv_status activate(server_state *server) {
     const sv_plugin *instance = server->plugin.instance;
     hs_error err = {0};
     sv_format format = block->format;
+    const size_t bytes = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)format.width * format.height);
+    if (!sys_shared_use(block, bytes, true))
+        return fail_with(server, SV_ERR_NO_MEMORY, "no memory for the maps");
     if (!hs_carrier_open(&server->carrier, block, &format, &err))
         return fail_with(server, err.code == HS_ERR_MEMORY ? SV_ERR_NO_MEMORY : SV_ERR_OPENCL, err.text);
     format.values = format.value_count ? block->values : NULL;
@@ -336,32 +328,28 @@ static sv_status obey(server_state *server, uint32_t op) {
 
 /* The shared block, if this process was started by a guard. */
 static hs_guard_block *find_block(void) {
-    struct stat info;
     const size_t bytes = hs_guard_map_offset(HS_GUARD_MAPS, (size_t)HS_GUARD_MAX_AXIS * HS_GUARD_MAX_AXIS);
-    if (fstat(HS_GUARD_BLOCK_FD, &info) != 0 || info.st_size != (off_t)bytes) return NULL;
-    void *at = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, HS_GUARD_BLOCK_FD, 0);
-    if (at == MAP_FAILED) return NULL;
-    hs_guard_block *block = at;
-    return block->magic == HS_GUARD_MAGIC ? block : NULL;
+    hs_guard_block *block = sys_shared_map(hs_child_passed(HS_GUARD_PASSED_BLOCK), bytes, true);
+    const bool ours = block && sys_shared_use(block, hs_guard_block_bytes(), true);
+    return ours && block->magic == HS_GUARD_MAGIC ? block : NULL;
 }
 
 int hs_guard_serve(void) {
     /* PoCL would otherwise swallow an integer division by zero in the plugin's own code. */
-    (void)setenv("POCL_SIGFPE_HANDLER", "0", 0);
+    sys_set_default("POCL_SIGFPE_HANDLER", "0");
     static server_state server; /* the plugin keeps a pointer into it */
     hs_guard_order order;
-    server.self = getpid();
     server.block = find_block();
     if (!server.block) {
         (void)fprintf(stderr, "host_sim " HS_GUARD_COMMAND ": is started by host_sim itself\n");
         return HS_ERR_USAGE;
     }
-    while (hs_child_receive(HS_CHILD_CHANNEL, &order, sizeof order)) {
+    while (hs_child_receive(hs_child_passed(0), &order, sizeof order)) {
         hs_guard_reply reply = {.op = order.op, .number = order.number};
         reply.status = obey(&server, order.op);
-        look_around(&server);
-        if (!hs_child_send(HS_CHILD_CHANNEL, &reply, sizeof reply) || order.op == HS_GUARD_CLOSE) break;
+        hs_child_look_around();
+        if (!hs_child_send(hs_child_passed(0), &reply, sizeof reply) || order.op == HS_GUARD_CLOSE) break;
     }
     /* Not exit: what the plugin left to be done at the end is not done. */
-    _exit(0);
+    hs_child_leave(0);
 }

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "guarded/serve_carrier.h"
 
+#include "base/system.h"
 #include "guard/child.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 void *hs_carrier_map(const hs_carrier *carrier, hs_guard_map map) {
     return (uint8_t *)carrier->block + hs_guard_map_offset(map, carrier->pixels);
@@ -76,11 +75,11 @@ static bool make_objects(hs_carrier *carrier, hs_error *err) {
 }
 
 static bool map_slabs(hs_carrier *carrier, hs_error *err) {
-    void *at = mmap(NULL, carrier->slabs_bytes, PROT_READ, MAP_SHARED, HS_GUARD_SLABS_FD, 0);
-    if (at == MAP_FAILED)
+    void *at = sys_shared_map(hs_child_passed(HS_GUARD_PASSED_SLABS), carrier->slabs_bytes, false);
+    carrier->slabs = at;
+    if (!at || !sys_shared_use(at, carrier->slabs_bytes, false))
         return hs_fail(err, HS_ERR_MEMORY, "guard: cannot map %zu bytes of slabs: %s", carrier->slabs_bytes,
                        strerror(errno));
-    carrier->slabs = at;
     return true;
 }
 
@@ -112,7 +111,7 @@ void hs_carrier_close(hs_carrier *carrier) {
         if (carrier->images[i]) (void)clReleaseMemObject(carrier->images[i]);
     free(carrier->images);
     hs_cl_close(&carrier->cl);
-    if (carrier->slabs) (void)munmap((void *)(uintptr_t)carrier->slabs, carrier->slabs_bytes);
+    sys_shared_unmap((void *)(uintptr_t)carrier->slabs, carrier->slabs_bytes);
     *carrier = (hs_carrier){0};
 }
 

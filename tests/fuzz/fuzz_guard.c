@@ -5,6 +5,7 @@
  * input changes the answer and scribbles in the shared block, between the host's calls, too. Whatever comes,
  * what the host holds is bounded and stays as it was, and what failed has a reason.
  */
+#include "base/system.h"
 #include "fuzz/fuzz_bytes.h"
 #include "fuzz/fuzz_target.h"
 #include "guarded/guard_link.h"
@@ -13,7 +14,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/mman.h>
 
 enum { WIDTH = 9, HEIGHT = 7, SLICES = 4, PIXELS = WIDTH * HEIGHT, MAX_CALLS = 40, PARAMS = 3 };
 
@@ -101,36 +101,35 @@ static void play(const hs_guard_order *order) {
     scribble();
 }
 
-/* ------------------------------------------------------------------------- in place of guard/child.c -- */
+/* ------------------------------------------------------------------------- in place of guard/child*.c -- */
 
-bool hs_child_exec(hs_child *child, const hs_child_limits *limits, const char *program, char *const argv[],
-                   const int *passed, uint32_t passed_count, hs_error *err) {
+bool hs_child_start(hs_child *child, const hs_child_limits *limits, const char *program, char *const argv[],
+                    const intptr_t *passed, uint32_t passed_count, hs_error *err) {
     (void)argv;
     FUZZ_HOLDS(!shared && passed_count == 2 && limits->memory_bytes && limits->said_bytes);
     *child = (hs_child){0};
     if (fuzz_u8(input) % 32 == 31) return hs_fail(err, HS_ERR_INPUT, "%s: cannot be run", program);
-    void *at = mmap(NULL, shared_bytes(), PROT_READ | PROT_WRITE, MAP_SHARED, passed[0], 0);
-    if (at == MAP_FAILED) abort();
-    shared = at;
-    *child = (hs_child){.pid = 1, .channel = -1, .output = -1};
+    shared = sys_shared_map(passed[0], shared_bytes(), true);
+    if (!shared) abort();
+    *child = (hs_child){.process = 1, .channel = -1, .output = -1};
     return true;
 }
 
 static void end(hs_child *child, hs_child_fate why) {
-    if (!child->pid) return;
-    (void)munmap(shared, shared_bytes());
+    if (!child->process) return;
+    sys_shared_unmap(shared, shared_bytes());
     shared = NULL;
-    child->pid = 0;
+    child->process = 0;
     child->end = (hs_child_end){.fate = why};
 }
 
-bool hs_child_send(int channel, const void *message, size_t bytes) {
+bool hs_child_send(intptr_t channel, const void *message, size_t bytes) {
     FUZZ_HOLDS(shared && channel == -1 && bytes == sizeof(hs_guard_order));
     play(message);
     return fuzz_u8(input) % 32 != 31;
 }
 
-bool hs_child_receive(int channel, void *message, size_t bytes) {
+bool hs_child_receive(intptr_t channel, void *message, size_t bytes) {
     FUZZ_HOLDS(shared && channel == -1 && bytes == sizeof answer);
     memcpy(message, &answer, bytes);
     return fuzz_u8(input) % 32 != 31;
@@ -139,7 +138,7 @@ bool hs_child_receive(int channel, void *message, size_t bytes) {
 hs_child_news hs_child_wait(hs_child *child, double seconds) {
     const uint8_t what = fuzz_u8(input);
     FUZZ_HOLDS(seconds >= 0);
-    if (!child->pid) return HS_CHILD_ENDED;
+    if (!child->process) return HS_CHILD_ENDED;
     if (what < 240) return HS_CHILD_MESSAGE;
     if (what < 248) return HS_CHILD_NOTHING; /* its time is over: the limits are 0 */
     end(child, what & 1 ? HS_CHILD_LEFT : HS_CHILD_CRASHED);
@@ -181,7 +180,7 @@ static void check_host(const hs_plugin *plugin, const hs_guard_facts *facts) {
     const hs_guard *guard = hs_guard_of(plugin->instance);
     FUZZ_HOLDS(memcmp(facts, &guard->facts, FACTS) == 0);
     FUZZ_HOLDS(guard->restarts <= guard->options.restarts);
-    FUZZ_HOLDS(guard->child.pid || !shared);
+    FUZZ_HOLDS(guard->child.process || !shared);
     check_text(plugin->instance->last_error(plugin->instance), sizeof guard->last_error);
     check_text(hs_guarded_call(plugin, "call"), sizeof guard->call);
     for (uint32_t i = 0; i < plugin->count; i++) {
@@ -314,7 +313,7 @@ static hs_plugin *standing(void) {
     guard->block->magic = HS_GUARD_MAGIC;
     guard->restarts = 0;
     guard->ended = err;
-    if (!guard->child.pid && !hs_guard_start(guard, &err)) abort();
+    if (!guard->child.process && !hs_guard_start(guard, &err)) abort();
     return &plugin;
 }
 

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "commands/commands.h"
 #include "console/console.h"
+#include "guard/child.h"
 #include "guarded/guard_block.h"
 #include "guarded/guard_options.h"
 #include "picture/picture_draw.h"
@@ -74,7 +75,7 @@ static int run(int argc, char **argv) {
         return HS_OK;
     }
     if (strcmp(argv[1], HS_GUARD_COMMAND) == 0) return hs_guard_serve();
-    hs_guard_set_program("/proc/self/exe");
+    hs_guard_set_program(NULL);
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(argv[1], commands[i].name) == 0) {
             const int code = commands[i].run(argc - 1, argv + 1);
@@ -87,5 +88,6 @@ static int run(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     argv = sys_arguments(&argc, argv);
+    (void)hs_child_take(&argc, argv);
     return hs_cli_finish("host_sim", run(argc, argv));
 }

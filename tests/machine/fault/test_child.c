@@ -20,25 +20,25 @@ static _Noreturn void forever(void) {
     for (;;) (void)poll(NULL, 0, 1000);
 }
 
-static int crash(int channel, void *context) {
+static int crash(intptr_t channel, int value) {
     (void)raise(SIGSEGV);
     return 0;
 }
 
-static int abort_it(int channel, void *context) {
+static int abort_it(intptr_t channel, int value) {
     abort();
 }
 
-static int leave(int channel, void *context) {
-    return *(int *)context;
+static int leave(intptr_t channel, int value) {
+    return value;
 }
 
-static int hang(int channel, void *context) {
+static int hang(intptr_t channel, int value) {
     (void)signal(SIGTERM, SIG_IGN);
     forever();
 }
 
-static int grab(int channel, void *context) {
+static int grab(intptr_t channel, int value) {
     for (int i = 0; i < 10000; i++) {
         char *block = malloc(1u << 20);
         if (block) memset(block, 1, 1u << 20);
@@ -47,43 +47,65 @@ static int grab(int channel, void *context) {
     return 0;
 }
 
-static int silent(int channel, void *context) {
-    (void)close(channel);
+static int silent(intptr_t channel, int value) {
+    (void)close((int)channel);
     forever();
 }
 
-static int stop_group(int channel, void *context) {
+static int stop_group(intptr_t channel, int value) {
     (void)kill(0, SIGKILL); /* its group is its own: the parent does not notice */
     forever();
 }
 
+static int with_grandchild(intptr_t channel, int value);
+static int short_parent(intptr_t channel, int value);
+static int echo(intptr_t channel, int value);
+
+/* What a child does is told by its arguments: the number of its work, and a value. */
+static int (*const works[])(intptr_t channel, int value) = {
+    crash, abort_it, leave, hang, grab, silent, stop_group, with_grandchild, short_parent, echo};
+
+__attribute__((constructor)) static void be_a_child(int argc, char **argv) {
+    if (hs_child_take(&argc, argv)) hs_child_leave(works[atoi(argv[1])](hs_child_passed(0), atoi(argv[2])));
+}
+
+static void start(hs_child *child, const hs_child_limits *limits, int (*work)(intptr_t, int), int value) {
+    char name[] = "child", number[16], text[16];
+    char *const argv[] = {name, number, text, NULL};
+    hs_error err = {0};
+    int n = 0;
+    while (works[n] != work) n++;
+    (void)snprintf(number, sizeof number, "%d", n);
+    (void)snprintf(text, sizeof text, "%d", value);
+    if (!hs_child_start(child, limits, NULL, argv, NULL, 0, &err)) fail_msg("%s", err.text);
+}
+
 static void each_end_has_its_sentence(void **state) {
-    int codes[] = {0, 77};
     const struct {
-        int (*work)(int, void *);
-        void *context;
+        int (*work)(intptr_t, int);
+        int value;
         hs_child_fate fate;
         const char *sentence;
     } cases[] = {
-        {crash, NULL, HS_CHILD_CRASHED, "crashed: SIGSEGV"},
-        {abort_it, NULL, HS_CHILD_CRASHED, "aborted"},
-        {leave, &codes[0], HS_CHILD_LEFT, "left by exit(0)"},
-        {leave, &codes[1], HS_CHILD_LEFT, "left by exit(77)"},
-        {grab, NULL, HS_CHILD_GREEDY, "took more than 64 MiB"},
-        {silent, NULL, HS_CHILD_SILENT, "closed or misused its channel"},
-        {stop_group, NULL, HS_CHILD_CRASHED, "crashed: SIGKILL"},
+        {crash, 0, HS_CHILD_CRASHED, "crashed: SIGSEGV"},
+        {abort_it, 0, HS_CHILD_CRASHED, "aborted"},
+        {leave, 0, HS_CHILD_LEFT, "left by exit(0)"},
+        {leave, 77, HS_CHILD_LEFT, "left by exit(77)"},
+        {grab, 0, HS_CHILD_GREEDY, "took more than 64 MiB"},
+        {silent, 0, HS_CHILD_SILENT, "closed or misused its channel"},
+        {stop_group, 0, HS_CHILD_CRASHED, "crashed: SIGKILL"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const hs_child_limits limits = {.memory_bytes = MEMORY_LIMIT};
         hs_child child;
         char sentence[128];
-        must(hs_child_fork(&child, &limits, cases[i].work, cases[i].context, &err));
+        start(&child, &limits, cases[i].work, cases[i].value);
         assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_ENDED);
         hs_child_tell(&child.end, sentence, sizeof sentence);
         assert_string_equal(sentence, cases[i].sentence);
         assert_int_equal(child.end.fate, cases[i].fate);
         hs_child_close(&child);
-        assert_int_equal(child.pid, 0);
+        assert_int_equal(child.process, 0);
     }
 }
 
@@ -91,7 +113,7 @@ static void a_hanging_child_is_ended_in_time(void **state) {
     hs_child child;
     char sentence[128];
     const hs_child_limits none = {0};
-    must(hs_child_fork(&child, &none, hang, NULL, &err));
+    start(&child, &none, hang, 0);
     const double start = hs_now();
     assert_int_equal(hs_child_wait(&child, 0.1), HS_CHILD_NOTHING);
     hs_child_wait_end(&child, 0.2);
@@ -110,16 +132,16 @@ typedef struct {
 } escape;
 
 /* Starts a process that runs on and tells its id; leaves or hangs beside it. */
-static int with_grandchild(int channel, void *context) {
-    const escape *e = context;
+static int with_grandchild(intptr_t channel, int value) {
+    const escape e = {.way = value / 2, .leaves = value % 2};
     if (fork() == 0) {
-        if (e->way != IN_GROUP) (void)setsid();
-        if (e->way == AS_A_DAEMON && fork() != 0) _exit(0);
+        if (e.way != IN_GROUP) (void)setsid();
+        if (e.way == AS_A_DAEMON && fork() != 0) _exit(0);
         const pid_t self = getpid();
         (void)hs_child_send(channel, &self, sizeof self);
         forever();
     }
-    if (!e->leaves) forever();
+    if (!e.leaves) forever();
     (void)poll(NULL, 0, 200); /* until it has told */
     return 0;
 }
@@ -142,7 +164,7 @@ static void assert_grandchild_ends(escape e) {
     hs_child child;
     pid_t grandchild = 0;
     const hs_child_limits none = {0};
-    must(hs_child_fork(&child, &none, with_grandchild, &e, &err));
+    start(&child, &none, with_grandchild, 2 * e.way + e.leaves);
     assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_MESSAGE);
     assert_true(hs_child_receive(child.channel, &grandchild, sizeof grandchild));
     assert_true(grandchild > 0 && runs(grandchild));
@@ -172,10 +194,10 @@ static void nobody_else_is_ended(void **state) {
     const hs_child_limits none = {0};
     const pid_t own = fork();
     if (own == 0) forever();
-    must(hs_child_fork(&first, &none, hang, NULL, &err));
-    must(hs_child_fork(&second, &none, hang, NULL, &err));
+    start(&first, &none, hang, 0);
+    start(&second, &none, hang, 0);
     hs_child_close(&first);
-    assert_true(runs(own) && runs(second.pid));
+    assert_true(runs(own) && runs((pid_t)second.process));
     hs_child_close(&second);
     assert_true(runs(own));
     (void)kill(own, SIGKILL);
@@ -191,7 +213,7 @@ static void what_it_prints_is_bounded(void **state) {
     char *const argv[] = {"sh", "-c", "yes 0123456789 | head -c 2000000; exit 9", NULL};
     const int errors = dup(STDERR_FILENO), file = memfd_create("errors", MFD_CLOEXEC);
     (void)dup2(file, STDERR_FILENO);
-    const bool started = hs_child_exec(&child, &limits, "/bin/sh", argv, NULL, 0, &err);
+    const bool started = hs_child_start(&child, &limits, "/bin/sh", argv, NULL, 0, &err);
     const hs_child_news news = started ? hs_child_wait(&child, 60) : HS_CHILD_NOTHING;
     (void)dup2(errors, STDERR_FILENO);
     assert_int_equal(news, HS_CHILD_ENDED);
@@ -206,12 +228,12 @@ static void what_it_prints_is_bounded(void **state) {
 }
 
 /* A parent between the test and the child that it tells of; it dies without a word. */
-static int short_parent(int channel, void *context) {
+static int short_parent(intptr_t channel, int value) {
     hs_child child;
-    hs_error err = {0};
     const hs_child_limits none = {0};
-    if (!hs_child_fork(&child, &none, hang, NULL, &err)) return 1;
-    (void)hs_child_send(channel, &child.pid, sizeof child.pid);
+    start(&child, &none, hang, 0);
+    const pid_t pid = (pid_t)child.process;
+    (void)hs_child_send(channel, &pid, sizeof pid);
     (void)raise(SIGKILL);
     return 0;
 }
@@ -220,7 +242,7 @@ static void it_dies_with_its_parent(void **state) {
     hs_child parent;
     pid_t child = 0;
     const hs_child_limits none = {0};
-    must(hs_child_fork(&parent, &none, short_parent, NULL, &err));
+    start(&parent, &none, short_parent, 0);
     assert_int_equal(hs_child_wait(&parent, 30), HS_CHILD_MESSAGE);
     assert_true(hs_child_receive(parent.channel, &child, sizeof child));
     hs_child_wait_end(&parent, 30);
@@ -230,7 +252,7 @@ static void it_dies_with_its_parent(void **state) {
 }
 
 /* Doubles what it is told, and leaves after a 0. */
-static int echo(int channel, void *context) {
+static int echo(intptr_t channel, int value) {
     struct rlimit core;
     (void)getrlimit(RLIMIT_CORE, &core);
     for (int number = 1; number && hs_child_receive(channel, &number, sizeof number);) {
@@ -243,7 +265,7 @@ static int echo(int channel, void *context) {
 static void messages_travel_whole(void **state) {
     hs_child child;
     const hs_child_limits none = {0};
-    must(hs_child_fork(&child, &none, echo, NULL, &err));
+    start(&child, &none, echo, 0);
     for (int i = 3; i >= 0; i--) {
         int number = i;
         assert_true(hs_child_send(child.channel, &number, sizeof number));
@@ -274,8 +296,8 @@ static void a_program_gets_what_is_passed(void **state) {
     const int from = memfd_create("from", MFD_CLOEXEC), to = memfd_create("to", MFD_CLOEXEC);
     const int left_open = dup(to); /* without CLOEXEC: a careless library */
     assert_int_equal(pwrite(from, "as given", 8, 0), 8);
-    const int passed[] = {to, from};
-    must(hs_child_exec(&child, &none, "/bin/sh", argv, passed, 2, &err));
+    const intptr_t passed[] = {to, from};
+    must(hs_child_start(&child, &none, "/bin/sh", argv, passed, 2, &err));
     hs_child_wait_end(&child, 30);
     assert_int_equal(child.end.fate, HS_CHILD_LEFT);
     assert_int_equal(child.end.number, 9);
@@ -292,10 +314,10 @@ static void a_program_that_is_not_there(void **state) {
     hs_error err = {0};
     const hs_child_limits none = {0};
     char *const argv[] = {"nobody", NULL};
-    assert_false(hs_child_exec(&child, &none, "/nonexistent/nobody", argv, NULL, 0, &err));
+    assert_false(hs_child_start(&child, &none, "/nonexistent/nobody", argv, NULL, 0, &err));
     assert_int_equal(err.code, HS_ERR_INPUT);
     assert_string_equal(err.text, "/nonexistent/nobody: cannot be run: No such file or directory");
-    assert_int_equal(child.pid, 0);
+    assert_int_equal(child.process, 0);
     hs_child_close(&child); /* safe */
 }
 

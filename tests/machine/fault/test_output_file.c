@@ -3,11 +3,11 @@
  * else. */
 #include "base/output_file.h"
 
-#include "guard/child.h"
 #include "support/metaimage_files.h"
 
 #include <dirent.h>
 #include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 /* How many names of the folder are temporary. */
@@ -21,7 +21,7 @@ static int count_temporary(void) {
 }
 
 /* Commits one file, leaves two open, and ends by the signal. */
-static int interrupted(int channel, void *context) {
+static int interrupted(int number) {
     hs_output_file outputs[3];
     hs_error err = {0};
     static const char *const names[] = {"whole", "half", "third"};
@@ -31,20 +31,23 @@ static int interrupted(int channel, void *context) {
             return 1;
     if (!hs_output_commit(&outputs[0], &err)) return 2;
     if (files_count() < 3 || count_temporary() != 2) return 3;
-    (void)raise(*(const int *)context);
+    (void)raise(number);
     return 4;
 }
 
+/* How a process that does this work ends, as waitpid tells. */
+static int status_of(int (*work)(int number), int number) {
+    int status = -1;
+    const pid_t child = fork();
+    if (child == 0) _exit(work(number));
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return status;
+}
+
 static void signals_remove_what_is_half_written(void **state) {
-    static int signals[] = {SIGINT, SIGTERM, SIGHUP};
-    const hs_child_limits none = {0};
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
-        hs_child child;
-        must(hs_child_fork(&child, &none, interrupted, &signals[i], &err));
-        hs_child_wait_end(&child, 60);
-        assert_int_equal(child.end.fate, HS_CHILD_CRASHED); /* by the signal, as without a handler */
-        assert_int_equal(child.end.number, signals[i]);
-        hs_child_close(&child);
+        assert_int_equal(status_of(interrupted, signals[i]), signals[i]); /* as without a handler */
         assert_int_equal(files_count(), 1);
         assert_int_equal(count_temporary(), 0);
         assert_int_equal(unlink(files_path("whole")), 0);
@@ -52,23 +55,17 @@ static void signals_remove_what_is_half_written(void **state) {
 }
 
 /* nohup: what is ignored stays ignored. */
-static int ignoring(int channel, void *context) {
+static int ignoring(int number) {
     hs_output_file output;
     hs_error err = {0};
-    (void)signal(SIGHUP, SIG_IGN);
+    (void)signal(number, SIG_IGN);
     if (!hs_output_open(&output, files_path("half"), &err)) return 1;
-    (void)raise(SIGHUP);
+    (void)raise(number);
     return hs_output_commit(&output, &err) ? 0 : 2;
 }
 
 static void an_ignored_signal_is_none(void **state) {
-    hs_child child;
-    const hs_child_limits none = {0};
-    must(hs_child_fork(&child, &none, ignoring, NULL, &err));
-    hs_child_wait_end(&child, 60);
-    assert_int_equal(child.end.fate, HS_CHILD_LEFT);
-    assert_int_equal(child.end.number, 0);
-    hs_child_close(&child);
+    assert_int_equal(status_of(ignoring, SIGHUP), 0);
     assert_int_equal(unlink(files_path("half")), 0);
     assert_int_equal(files_count(), 0);
 }

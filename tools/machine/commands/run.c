@@ -75,16 +75,8 @@ static bool create_loop(hs_run *run, hs_error *err) {
     return run->loop != NULL;
 }
 
-/* The child's side: activates the plugin, without a word, for nothing but its kernels. */
-static int compile_plugin(int channel, void *context) {
-    hs_run *const run = context;
-    hs_error ignored = {0}; /* the parent meets it again, and tells */
-    (void)channel;
-    if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) return HS_ERR_OUTPUT;
-    return hs_cl_open(&run->cl, &ignored) && create_loop(run, &ignored) ? HS_OK : HS_ERR_DEVICE;
-}
-
-/* The parent's side: a frame without the plugin, and where its rays end, which the pictures ask for. */
+/* The parent's side: a frame without the plugin, and where its rays end, which the pictures ask for. The
+ * child's side is to open the same and leave. */
 static bool compile_host(hs_run *run, hs_error *err) {
     hs_loop_options options = run->request.loop;
     hs_frame frame;
@@ -99,19 +91,21 @@ static bool compile_host(hs_run *run, hs_error *err) {
 
 /* A guarded plugin has a process of its own anyway. */
 static bool open_loop(hs_run *run, hs_error *err) {
-    const hs_child_limits none = {0};
+    const hs_child_limits mute = {.voice = HS_CHILD_MUTE};
     hs_child child = {0};
     hs_error ignored = {0}; /* without a child it only takes longer */
-    if (run->request.alone && run->has_plugin && !hs_is_guarded(&run->plugin))
-        (void)hs_child_fork(&child, &none, compile_plugin, run, &ignored);
     const double begin = hs_now();
     bool ok = hs_cl_open(&run->cl, err);
-    if (ok && child.pid && hs_now() - begin > COLD_S) {
+    const bool shared = run->request.alone && run->has_plugin && !hs_is_guarded(&run->plugin);
+    if (ok && shared && !hs_child_is_one() && hs_now() - begin > COLD_S &&
+        hs_child_again(&child, &mute, NULL, 0, &ignored)) {
         ok = compile_host(run, err);
         hs_child_wait_end(&child, LONGEST_S);
     }
     hs_child_close(&child);
-    return ok && create_loop(run, err);
+    ok = ok && create_loop(run, err);
+    if (hs_child_is_one()) hs_child_leave(ok ? HS_OK : HS_ERR_DEVICE); /* its kernels are compiled */
+    return ok;
 }
 
 bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err) {

@@ -23,9 +23,9 @@ typedef struct {
     const char *const *sets; /* key=value for the plugin's parameters */
     uint32_t set_count;
     hs_loop_options loop; /* values are filled in from sets */
-    bool alone;           /* the process has one thread and has not touched OpenCL: hs_run_open may fork it */
-    bool few_pictures;    /* result.png and full.png alone */
-    uint32_t panel_cell;  /* width of a picture in panel.png, pixels; 0: 512 */
+    bool alone; /* hs_run_open may start this program again with the same arguments, to compile kernels */
+    bool few_pictures;               /* result.png and full.png alone */
+    uint32_t panel_cell;             /* width of a picture in panel.png, pixels; 0: 512 */
     bool settings[HS_SETTING_COUNT]; /* which to measure */
     uint32_t write, write_if; /* HS_RESULT_* to be written: these, and these if the plugin gives them */
     const char *reference;    /* a depthmap that the one found is compared with; NULL: none */

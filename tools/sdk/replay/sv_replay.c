@@ -4,6 +4,7 @@
 #include "base/options.h"
 #include "base/system.h"
 #include "base/text.h"
+#include "guard/child.h"
 #include "guarded/in_child.h"
 #include "replay/replay.h"
 
@@ -98,6 +99,7 @@ int main(int argc, char **argv) {
     hs_error err = {0};
     bool help = false;
     argv = sys_arguments(&argc, argv);
+    (void)hs_child_take(&argc, argv);
     int next = argc, code = HS_OK;
     hs_plugin_default_path(path, sizeof path);
     rp_options o = {.plugin = path, .frame = RP_LAST};

@@ -6,6 +6,7 @@
 #include "base/options.h"
 #include "base/output_file.h"
 #include "base/progress.h"
+#include "base/system.h"
 #include "base/text.h"
 #include "guard/child.h"
 #include "smartvis_plugin.h"
@@ -18,7 +19,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -38,40 +38,43 @@ static void keep_text(v_finding *out, const char *format, const char *first, con
 }
 
 /* ---- in the check's process */
+/* In memory that is shared with it. */
 typedef struct {
-    const v_options *options;
-    const v_check *check;
-    v_report *report;
+    size_t check; /* of v_checks */
     bool watched; /* the process is looked at around every call */
+    v_report report;
 } job;
 
-static void perform(const job *j) {
+static void perform(const v_options *options, job *j) {
     static v_run run;
-    run = (v_run){.path = j->options->path,
-                  .id = j->options->id,
-                  .seed = j->options->seed,
-                  .level = j->options->level,
-                  .verbose = j->options->verbose,
-                  .report = j->report,
+    const v_check *check = &v_checks[j->check];
+    run = (v_run){.path = options->path,
+                  .id = options->id,
+                  .seed = options->seed,
+                  .level = options->level,
+                  .verbose = options->verbose,
+                  .report = &j->report,
                   .watch = j->watched ? v_watch_begin() : NULL};
-    v_random_begin(&run, j->check->id);
+    v_random_begin(&run, check->id);
     if (!setjmp(run.escape)) {
-        j->check->run(&run);
+        check->run(&run);
         v_rig_close(run.rig);
         v_memory_end();
         v_where(&run, "the end of the check");
     }
-    j->report->finished = true;
+    j->report.finished = true;
 }
 
-static int perform_in_child(int channel, void *context) {
-    const job *j = context;
-    (void)channel;
-    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (nowhere >= 0) (void)dup2(nowhere, STDOUT_FILENO);
-    if (nowhere >= 0 && !j->options->verbose) (void)dup2(nowhere, STDERR_FILENO);
-    perform(j);
-    return 0;
+/* No plugin is judged by what its caller or the validator left open. */
+static _Noreturn void perform_in_child(const v_options *options, job *j) {
+    sys_close_others();
+    perform(options, j);
+    hs_child_leave(0);
+}
+
+static job *map_job(intptr_t shared) {
+    job *j = sys_shared_map(shared, sizeof *j, true);
+    return j && sys_shared_use(j, sizeof *j, true) ? j : NULL;
 }
 
 /* ---- in the validator */
@@ -88,13 +91,15 @@ static void report_accident(const hs_child_end *end, const v_report *report, v_f
               where);
 }
 
-static bool run_in_child(const job *j, v_finding *out, hs_error *err) {
-    const hs_child_limits limits = {.memory_bytes = MEMORY_BYTES};
-    const bool late = j->check->needs && strcmp(j->check->needs, "first-frame") == 0;
+static bool run_in_child(const v_options *options, intptr_t shared, const job *j, v_finding *out,
+                         hs_error *err) {
+    const hs_child_limits limits = {.memory_bytes = MEMORY_BYTES,
+                                    .voice = options->verbose ? HS_CHILD_SHOWN : HS_CHILD_MUTE};
+    const bool late = out->check->needs && strcmp(out->check->needs, "first-frame") == 0;
     hs_child child;
-    if (!hs_child_fork(&child, &limits, perform_in_child, (void *)(uintptr_t)j, err)) return false;
-    hs_child_wait_end(&child, j->options->timeout_s * (late ? PATIENCE : 1.0));
-    if (!j->report->finished) report_accident(&child.end, j->report, out);
+    if (!hs_child_again(&child, &limits, &shared, 1, err)) return false;
+    hs_child_wait_end(&child, options->timeout_s * (late ? PATIENCE : 1.0));
+    if (!j->report.finished) report_accident(&child.end, &j->report, out);
     hs_child_close(&child);
     return true;
 }
@@ -115,20 +120,22 @@ static bool v_run_check(const v_options *options, const v_check *check, bool wat
     const double start = hs_now();
     bool ok = true;
     *out = (v_finding){.check = check};
-    v_report *report = mmap(NULL, sizeof *report, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (report == MAP_FAILED) return hs_fail(err, HS_ERR_MEMORY, "no memory for a check's report");
-    const job j = {options, check, report, watched};
+    const intptr_t shared = sys_shared_new(sizeof(job));
+    job *j = map_job(shared);
+    if (!j) return hs_fail(err, HS_ERR_MEMORY, "no memory for a check's report");
+    *j = (job){.check = (size_t)(check - v_checks), .watched = watched};
     if (options->in_process)
-        perform(&j);
+        perform(options, j);
     else
-        ok = run_in_child(&j, out, err);
-    if (ok && report->finished) {
-        report->text[sizeof report->text - 1] = '\0';
-        out->verdict = report->verdict <= V_FAIL ? report->verdict : V_FAIL;
-        keep_text(out, "%s%s", report->text, "");
+        ok = run_in_child(options, shared, j, out, err);
+    if (ok && j->report.finished) {
+        j->report.text[sizeof j->report.text - 1] = '\0';
+        out->verdict = j->report.verdict <= V_FAIL ? j->report.verdict : V_FAIL;
+        keep_text(out, "%s%s", j->report.text, "");
     }
     out->seconds = hs_now() - start;
-    (void)munmap(report, sizeof *report);
+    sys_shared_unmap(j, sizeof *j);
+    sys_shared_close(shared);
     return ok;
 }
 
@@ -303,11 +310,15 @@ int main(int argc, char **argv) {
     hs_error err = {0};
     bool done = false;
     c.run = (v_options){.level = 5, .timeout_s = 60.0};
-    closefrom(3); /* what the caller left open is no plugin's business, and no plugin is judged by it */
+    argv = sys_arguments(&argc, argv);
+    job *j = hs_child_take(&argc, argv) ? map_job(hs_child_passed(1)) : NULL;
+    if (!j) sys_close_others();
     /* PoCL would otherwise swallow a plugin's division by zero. */
-    (void)setenv("POCL_SIGFPE_HANDLER", "0", 0);
+    sys_set_default("POCL_SIGFPE_HANDLER", "0");
     int code = HS_OK;
-    if (parse(&c, argc, argv, &done, &err))
+    const bool ready = parse(&c, argc, argv, &done, &err);
+    if (ready && j && j->check < v_check_count) perform_in_child(&c.run, j);
+    if (ready)
         code = validate(&c, &err);
     else if (!done)
         code = (int)err.code;

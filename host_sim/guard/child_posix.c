@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: MIT */
+#include "guard/child_system.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define MAX_CHILDREN 64
+#define MAX_LOOKS    100 /* for strays, however fast they multiply */
+#define CHANNEL      3   /* its descriptor in the child; what is passed comes behind it */
+#define ABOVE_PASSED 64  /* descriptors are moved up there first, so that none lands on another */
+
+/* ------------------------------------------------------------------------------------ what it leaves -- */
+
+/* The children that have not been collected yet. Whoever starts one, or looks for strays, holds the lock. */
+static pid_t living[MAX_CHILDREN];
+static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
+
+static bool replace_living(pid_t from, pid_t to) {
+    for (size_t i = 0; i < MAX_CHILDREN; i++) {
+        if (living[i] != from) continue;
+        living[i] = to;
+        return true;
+    }
+    return false;
+}
+
+/* fork for a child of which all descendants can be found: orphans of it stay below it, and come to this
+ * process when it has ended. */
+static pid_t fork_child(void) {
+    (void)pthread_mutex_lock(&starting);
+    (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
+    const bool room = replace_living(0, -1);
+    const pid_t pid = room ? fork() : -1;
+    const int reason = room ? errno : EAGAIN;
+    if (pid == 0) {
+        memset(living, 0, sizeof living);
+        (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
+    } else if (room) {
+        (void)replace_living(-1, pid > 0 ? pid : 0);
+    }
+    (void)pthread_mutex_unlock(&starting);
+    errno = reason;
+    return pid;
+}
+
+/* A line of /proc about a process; "" if there is none. */
+static void read_proc(long pid, const char *what, char *text, size_t bytes) {
+    char path[64];
+    (void)snprintf(path, sizeof path, "/proc/%ld/%s", pid, what);
+    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    const ssize_t length = file < 0 ? 0 : read(file, text, bytes - 1);
+    if (file >= 0) (void)close(file);
+    text[length > 0 ? length : 0] = '\0';
+}
+
+/* True for an orphan of a child that has ended. What others start in this process has the process's group. */
+static bool is_stray(long pid) {
+    char text[512];
+    int parent = 0, group = 0;
+    read_proc(pid, "stat", text, sizeof text);
+    const char *name_end = strrchr(text, ')');
+    return name_end && sscanf(name_end + 1, " %*c %d %d", &parent, &group) == 2 && parent == getpid() &&
+           group != getpgrp() && !replace_living((pid_t)pid, (pid_t)pid);
+}
+
+/* Ends the strays of one look. What these had started are strays then. False: there were none. */
+static bool end_strays(void) {
+    DIR *all = opendir("/proc");
+    bool found = false;
+    for (const struct dirent *entry; all && (entry = readdir(all));) {
+        const long pid = strtol(entry->d_name, NULL, 10);
+        if (pid <= 0 || !is_stray(pid)) continue;
+        (void)kill((pid_t)pid, SIGKILL);
+        (void)waitpid((pid_t)pid, NULL, 0);
+        found = true;
+    }
+    if (all) (void)closedir(all);
+    return found;
+}
+
+/* Ends what a child has left behind; it must have been collected. */
+static void end_leftovers(pid_t pid) {
+    (void)kill(-pid, SIGKILL);
+    (void)pthread_mutex_lock(&starting);
+    (void)replace_living(pid, 0);
+    for (int looks = 0; looks < MAX_LOOKS && end_strays(); looks++) {
+    }
+    (void)pthread_mutex_unlock(&starting);
+}
+
+/* ------------------------------------------------------------------------------------ in the child -- */
+
+static void set_limit(__rlimit_resource_t what, rlim_t soft, rlim_t hard) {
+    const struct rlimit limit = {soft, hard};
+    (void)setrlimit(what, &limit);
+}
+
+/* Between fork and what comes next: calls that are safe there only. */
+static void prepare_child(pid_t parent) {
+    static const int reset[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL};
+    sigset_t none;
+    (void)setpgid(0, 0);
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(0); /* the parent died before that took hold */
+    for (size_t i = 0; i < sizeof reset / sizeof *reset; i++) (void)signal(reset[i], SIG_DFL);
+    (void)sigemptyset(&none);
+    (void)sigprocmask(SIG_SETMASK, &none, NULL);
+    set_limit(RLIMIT_CORE, 0, 0);
+    const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    if (nothing >= 0) (void)dup2(nothing, STDIN_FILENO);
+}
+
+/* Puts the channel and what is passed where the program looks for them. False with errno. */
+static bool arrange(int channel, int output, const intptr_t *passed, uint32_t count) {
+    int high[HS_CHILD_MAX_PASSED + 1];
+    if (output >= 0 && (dup2(output, STDERR_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0)) return false;
+    for (uint32_t i = 0; i <= count; i++) {
+        high[i] = fcntl(i ? (int)passed[i - 1] : channel, F_DUPFD_CLOEXEC, ABOVE_PASSED);
+        if (high[i] < 0) return false;
+    }
+    for (uint32_t i = 0; i <= count; i++)
+        if (dup2(high[i], CHANNEL + (int)i) < 0) return false;
+    /* What a library of the parent left open without CLOEXEC; on an old kernel it stays open. */
+    (void)close_range(CHANNEL + 1u + count, ~0u, CLOSE_RANGE_CLOEXEC);
+    return true;
+}
+
+/* ----------------------------------------------------------------------------------------- starting -- */
+
+static bool refuse(const char *what, hs_error *err) {
+    return hs_fail(err, HS_ERR_MEMORY, "child process: %s: %s", what, strerror(errno));
+}
+
+/* The child's end is output[1]; -1: it has the parent's. */
+static bool open_output(hs_child_voice voice, int output[2], hs_error *err) {
+    if (voice == HS_CHILD_SPEAKS) return true;
+    if (voice == HS_CHILD_MUTE)
+        return (output[1] = open("/dev/null", O_WRONLY | O_CLOEXEC)) >= 0 || refuse("/dev/null", err);
+    return (pipe2(output, O_CLOEXEC | O_NONBLOCK) == 0 && fcntl(output[1], F_SETFL, 0) == 0) ||
+           refuse("no pipe", err);
+}
+
+/* The new process: becomes the program, or writes errno to `report`. */
+static _Noreturn void become(const char *program, char *const argv[], int channel, int output,
+                             const intptr_t *passed, uint32_t count, int report) {
+    /* Above what arrange overwrites. */
+    const int safe = fcntl(report, F_DUPFD_CLOEXEC, ABOVE_PASSED);
+    if (safe >= 0 && arrange(channel, output, passed, count)) (void)execv(program, argv);
+    const int reason = errno;
+    (void)!write(safe >= 0 ? safe : report, &reason, sizeof reason);
+    _exit(127);
+}
+
+/* fork and exec. The pipe `report` closes without a word where exec succeeds. */
+static bool launch(hs_child *child, const char *program, char *const argv[], int channel, int output,
+                   const intptr_t *passed, uint32_t count, hs_error *err) {
+    int report[2], reason = 0;
+    if (pipe2(report, O_CLOEXEC) != 0) return refuse("no pipe", err);
+    const pid_t parent = getpid(), pid = fork_child();
+    if (pid == 0) {
+        prepare_child(parent);
+        become(program, argv, channel, output, passed, count, report[1]);
+    }
+    bool ok = pid > 0 || refuse("cannot be started", err);
+    if (ok) (void)setpgid(pid, pid); /* as the child does: whoever comes first */
+    (void)close(report[1]);
+    child->process = pid;
+    if (ok && read(report[0], &reason, sizeof reason) == (ssize_t)sizeof reason) {
+        (void)waitpid(pid, NULL, 0);
+        end_leftovers(pid);
+        ok = hs_fail(err, HS_ERR_INPUT, "%s: cannot be run: %s", program, strerror(reason));
+    }
+    (void)close(report[0]);
+    return ok;
+}
+
+bool hs_process_start(hs_child *child, const char *program, char **argv, uint32_t argc,
+                      const intptr_t *passed, uint32_t passed_count, hs_error *err) {
+    intptr_t places[HS_CHILD_HANDLES] = {CHANNEL, CHANNEL};
+    int ends[2] = {-1, -1}, output[2] = {-1, -1};
+    char mark[64];
+    for (uint32_t i = 0; i < passed_count; i++) places[2 + i] = CHANNEL + 1 + (int)i;
+    hs_child_mark(mark, sizeof mark, places, 2 + passed_count);
+    argv[argc - 1] = mark;
+    const bool ok =
+        (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0 || refuse("no channel", err)) &&
+        open_output(child->limits.voice, output, err) &&
+        launch(child, program ? program : "/proc/self/exe", argv, ends[1], output[1], passed, passed_count,
+               err);
+    child->channel = ends[0];
+    child->output = output[0];
+    if (ends[1] >= 0) (void)close(ends[1]);
+    if (output[1] >= 0) (void)close(output[1]);
+    if (!ok && ends[0] >= 0) hs_process_close(child);
+    return ok;
+}
+
+void hs_process_close(hs_child *child) {
+    (void)close((int)child->channel);
+    if (child->output >= 0) (void)close((int)child->output);
+    child->output = -1;
+}
+
+/* ----------------------------------------------------------------------------------------- watching -- */
+
+bool hs_process_collect(hs_child *child, bool waits, hs_child_end *end, bool *killed) {
+    int status = 0;
+    const pid_t pid = (pid_t)child->process, got = waitpid(pid, &status, waits ? 0 : WNOHANG);
+    if (got == 0 || (got < 0 && errno == EINTR)) return false;
+    end_leftovers(pid);
+    *killed = got < 0 || (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+    const bool left = got < 0 || WIFEXITED(status);
+    end->fate = left ? HS_CHILD_LEFT : HS_CHILD_CRASHED;
+    end->number = got < 0 ? 0 : left ? WEXITSTATUS(status) : WTERMSIG(status);
+    return true;
+}
+
+void hs_process_kill(hs_child *child) {
+    (void)kill(-(pid_t)child->process, SIGKILL);
+    (void)kill((pid_t)child->process, SIGKILL); /* if it left its group */
+}
+
+uint64_t hs_process_memory(const hs_child *child) {
+    char text[128];
+    unsigned long long resident = 0, shared = 0;
+    read_proc(child->process, "statm", text, sizeof text);
+    if (sscanf(text, "%*u %llu %llu", &resident, &shared) != 2 || resident < shared) return 0;
+    return (uint64_t)(resident - shared) * (uint64_t)sysconf(_SC_PAGESIZE);
+}
+
+ptrdiff_t hs_process_read(hs_child *child, char *text, size_t bytes) {
+    const ssize_t got = read((int)child->output, text, bytes);
+    if (got != 0) return got;
+    (void)close((int)child->output);
+    child->output = -1;
+    return 0;
+}
+
+/* The end of the stream is readable, too, but has no bytes. */
+bool hs_process_has_message(const hs_child *child) {
+    char byte;
+    return recv((int)child->channel, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+}
+
+bool hs_process_stirs(hs_child *child, int ms) {
+    struct pollfd ends[] = {{.fd = (int)child->channel, .events = POLLIN},
+                            {.fd = (int)child->output, .events = POLLIN}};
+    (void)poll(ends, 2, ms);
+    return ends[0].revents != 0;
+}
+
+void hs_process_pause(const hs_child *child, int ms) {
+    (void)child;
+    (void)poll(NULL, 0, ms);
+}
+
+void hs_process_tell_crash(int number, char *out, size_t bytes) {
+    const char *name = sigabbrev_np(number);
+    if (number == SIGABRT)
+        (void)snprintf(out, bytes, "aborted");
+    else if (name)
+        (void)snprintf(out, bytes, "crashed: SIG%s", name);
+    else
+        (void)snprintf(out, bytes, "crashed: signal %d", number);
+}
+
+/* ------------------------------------------------------------------------------------ being a child -- */
+
+bool hs_child_send(intptr_t channel, const void *message, size_t bytes) {
+    ssize_t sent;
+    do {
+        sent = send((int)channel, message, bytes, MSG_NOSIGNAL);
+    } while (sent < 0 && errno == EINTR);
+    return sent == (ssize_t)bytes;
+}
+
+bool hs_child_receive(intptr_t channel, void *message, size_t bytes) {
+    ssize_t got;
+    do {
+        got = recv((int)channel, message, bytes, MSG_TRUNC);
+    } while (got < 0 && errno == EINTR);
+    return got == (ssize_t)bytes;
+}
+
+void hs_child_look_around(void) {
+    static pid_t self;
+    if (self == 0) self = getpid();
+    if (getpid() != self) _exit(0);
+    while (fcntl(CHANNEL, F_GETFD) < 0) (void)pause();
+}
+
+void hs_child_leave(int code) {
+    _exit(code);
+}
