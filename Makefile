@@ -82,8 +82,8 @@ aarch64: # plugin, validator and template for 64-bit ARM, and what the validator
 	@$(call build,build,,smartvis)
 	@SV_WERROR=$(SV_WERROR) scripts/aarch64.sh build $(OUT)/aarch64
 
-windows: # SDK, template and host_sim for 64-bit Windows, and what they do under wine against Linux: out/windows
-	@$(SETUP) $(PACKAGES) $(WINDOWS_PACKAGES)
+windows: # SDK, template, host_sim and the Python wheel for 64-bit Windows, and what they do under wine against Linux: out/windows (needs PyPI)
+	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES) $(WINDOWS_PACKAGES)
 	@$(call build,build,,smartvis smartvis_check sv_replay host_sim test_plugins small_host queue_host first_edge kernel_edge)
 	@SV_WERROR=$(SV_WERROR) scripts/windows.sh build $(OUT)/windows
 

@@ -44,23 +44,7 @@ for file in $(grep -oE '^/[^ (]+\.a' "$build/obj/tools/machine/alone.map" | sort
     name=$(package "$file")
     cp "/usr/share/doc/$name/copyright" "$into/licences/${name%-dev}"
 done
-# auditwheel looks only at what RECORD names, and writes it anew with all sums.
-"$venv/bin/python" - "$build"/python/wheel/smartvis-*.whl "$into" "$work" << 'END_PYTHON'
-import sys, zipfile
-from pathlib import Path
-source, content, out = map(Path, sys.argv[1:])
-with zipfile.ZipFile(source) as old, zipfile.ZipFile(out / source.name, "w", zipfile.ZIP_DEFLATED) as new:
-    record = next(n for n in old.namelist() if n.endswith(".dist-info/RECORD"))
-    lines = old.read(record).decode()
-    for item in old.infolist():
-        if item.filename != record:
-            new.writestr(item, old.read(item))
-    for folder, place in (("plugin", "smartvis/plugin"), ("licences", record.removesuffix("RECORD") + "licenses")):
-        for path in sorted(p for p in (content / folder).rglob("*") if p.is_file()):
-            new.write(path, name := f"{place}/{path.relative_to(content / folder)}")
-            lines += f"{name},,\n"
-    new.writestr(record, lines)
-END_PYTHON
+"$venv/bin/python" "$source/scripts/fill_wheel.py" "$build"/python/wheel/smartvis-*.whl "$into" "$work"
 PATH=$venv/bin:$PATH auditwheel repair --wheel-dir "$work/fixed" "$work"/smartvis-*.whl > "$work/log" 2>&1 || {
     cat "$work/log" >&2
     exit 1

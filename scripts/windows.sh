@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# windows.sh BUILD_FOLDER OUT_FOLDER: SDK and host_sim for 64-bit Windows, as a vendor builds them, and what they do there, under wine, on this
-# machine's OpenCL: the hosts of the examples print with the plugin, and with plugins made of the template and in C++, what they print
+# windows.sh BUILD_FOLDER OUT_FOLDER: SDK, host_sim and Python wheel for 64-bit Windows, as a vendor builds them, and what they do there, under
+# wine, on this machine's OpenCL: the hosts of the examples print with the plugin, and with plugins made of the template and in C++, what they print
 # on Linux. BUILD_FOLDER is a build of this machine.
 set -eu -o pipefail
 build=$(realpath "$1")
@@ -41,7 +41,7 @@ for library in smartvis smartvis_check; do
     [ "$(tail -n +2 <<< "$exports")" = smartvis_plugin_entry ] || { echo "windows: $library.dll exports: $exports" >&2; exit 1; }
 done
 
-export WINEPREFIX=$out/wine WINEDEBUG=-all LC_ALL=C
+export WINEPREFIX=$out/wine WINEDEBUG=-all LC_ALL=C.UTF-8
 # same PROGRAM_HERE PROGRAM_THERE PLUGIN_HERE PLUGIN_THERE: both print the same and end alike.
 same() {
     local a=0 b=0
@@ -65,6 +65,11 @@ same "$out/cpp_here/small_host" "$out/cpp/small_host.exe" "$build/smartvis.so" "
 same "$examples/queue_host" "$out/queue_host/queue_host.exe" "$build/smartvis_check.so" "$out/plugin/smartvis_check.dll"
 same "$out/cpp_here/small_host" "$out/cpp/small_host.exe" "$out/cpp_here/fluid_plugin.so" "$out/cpp/fluid_plugin.dll"
 
+ends() { # ends CODE COMMAND...: under wine
+    local code=0
+    timeout 120 wine "${@:2}" > "$out/there.txt" 2>&1 || code=$?
+    [ $code = "$1" ] || { cat "$out/there.txt" >&2; echo "windows: ${*:2}: exit code $code, expected $1" >&2; return 1; }
+}
 # plays SAYS COMMAND...: sv_replay ends so, with that last line.
 plays() {
     local said
@@ -99,9 +104,8 @@ while read -r name; do
     if [ -n "$says" ]; then
         x86_64-w64-mingw32-gcc -O2 -Wno-attributes -shared -static -D CL_TARGET_OPENCL_VERSION=120 -I include -I "$root/include" \
             tests/machine/plugins/plane.c "-Wl,--defsym=plane_line=plane_lines+$line" -L "$root/lib" -lOpenCL -o "$out/$name.dll" 2> "$out/there.log"
-        code=0
-        timeout 120 wine "$replay" "$out/plane.svr" --plugin "$out/$name.dll" --set fail=slab --guard-time 5,8 > "$out/there.txt" 2>&1 || code=$?
-        grep -q "$name.dll: $says" "$out/there.txt" && [ $code = 4 ] || { cat "$out/there.txt" >&2; echo "windows: $name: exit code $code, expected 4" >&2; exit 1; }
+        ends 4 "$replay" "$out/plane.svr" --plugin "$out/$name.dll" --set fail=slab --guard-time 5,8
+        grep -q "$name.dll: $says" "$out/there.txt" || { cat "$out/there.txt" >&2; exit 1; }
         (cd "$out" && timeout 120 wine plugin/host_sim.exe run --scene E01 --size 32 --frames 2 --picture 32 --few-pictures --setting smartvis \
             --plugin $name.dll --set fail=slab --guard-time 2,8 --out run) > "$out/there.txt" 2>&1 || true
         grep -q "$name.dll: slab: SV_ERR_INTERNAL (-1): $says.*in slab 2 of 2" "$out/there.txt" && grep -q 'unclipped: 0 by the plugin.s note, 2 by its failure' "$out/there.txt" ||
@@ -112,11 +116,7 @@ done < <(sed -n 's/^    {"\([a-z0-9_]*\)".*/\1/p' tests/machine/plugins/plane.c)
 echo "windows: plugins that crash, leave and hang are named, and host_sim renders unclipped"
 # Paths that Windows reads otherwise: a device, a stream, a folder, a name that is longer than a path, and what is not there.
 long=$(printf 'n%.0s' {1..300})
-for path in CON nul.svr "$record:stream" "$out" "$out/$long.svr" 'C:\missing.svr' '\\.\pipe\none'; do
-    code=0
-    timeout 60 wine "$replay" "$path" > "$out/there.txt" 2>&1 || code=$?
-    [ $code = 3 ] || { cat "$out/there.txt" >&2; echo "windows: $path: exit code $code, expected 3" >&2; exit 1; }
-done
+for path in CON nul.svr "$record:stream" "$out" "$out/$long.svr" 'C:\missing.svr' '\\.\pipe\none'; do ends 3 "$replay" "$path"; done
 echo "windows: devices, streams and long names are refused"
 
 # host_sim: what it makes of scenes and files, in a folder whose name is not ASCII, is what it makes on Linux, bit for bit.
@@ -152,27 +152,37 @@ echo "windows: host_sim run, scenes, info, measure and report: as on Linux"
 # A header names a file in its folder, whatever Windows reads otherwise; and such paths are no volumes.
 mkdir -p "$out/deep"
 head -c 64 /dev/zero | tee "$out/out.raw" > "$out/deep/in.raw"
-while read -r name; do
+for name in in.raw '..\out.raw' '..\deep\..\out.raw' 'C:\windows\win.ini' z:out.raw '\out.raw' in.raw:stream NUL CON; do
     printf 'ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementDataFile = %s\n' "$name" > "$out/deep/of.mhd"
-    code=0
-    timeout 60 wine "$machine" info "$out/deep/of.mhd" > "$out/there.txt" 2>&1 || code=$?
-    [ $code = "$([ "$name" = in.raw ] && echo 0 || echo 3)" ] || { cat "$out/there.txt" >&2; echo "windows: ElementDataFile $name: exit code $code" >&2; exit 1; }
-done << 'END_NAMES'
-in.raw
-..\out.raw
-..\deep\..\out.raw
-C:\windows\win.ini
-z:out.raw
-\out.raw
-in.raw:stream
-NUL
-CON
-END_NAMES
-ends() { # ends CODE ARGUMENT...: host_sim there
-    local code=0
-    timeout 60 wine "$machine" "${@:2}" > "$out/there.txt" 2>&1 || code=$?
-    [ $code = "$1" ] || { cat "$out/there.txt" >&2; echo "windows: ${*:2}: exit code $code, expected $1" >&2; return 1; }
-}
-for path in CON nul.mha "$out/deep" "$out/$long.mha" 'C:\missing.mha' '\\.\pipe\none' "$out/deep/in.raw:x" 'Q:x.mha' 'CONIN$'; do ends 3 info "$path"; done
-for path in NUL COM1 "$out/nul.txt" "$out/deep/new:x" 'C:x:y' 'Q:\none'; do ends 6 scenes D02 --size 32 --export --out "$path"; done
+    ends "$([ "$name" = in.raw ] && echo 0 || echo 3)" "$machine" info "$out/deep/of.mhd"
+done
+for path in CON nul.mha "$out/deep" "$out/$long.mha" 'C:\missing.mha' '\\.\pipe\none' "$out/deep/in.raw:x" 'Q:x.mha' 'CONIN$'; do ends 3 "$machine" info "$path"; done
+for path in NUL COM1 "$out/nul.txt" "$out/deep/new:x" 'C:x:y' 'Q:\none'; do ends 6 "$machine" scenes D02 --size 32 --export --out "$path"; done
 echo "windows: host_sim refuses devices, streams, and files outside of a header's folder, also for what it writes"
+
+# The wheel: plugin and smartvis_seen by the package's own build, host_sim.exe with the scenes, licences of what is linked in. It needs Windows'
+# own libraries and OpenCL.dll only, and is loaded and run from where Python would have it.
+rm -rf "$out"/smartvis-*.whl "$out/filled" "$out/unpacked"
+mkdir -p "$out/filled/plugin/share/smartvis"
+scripts/python_env.sh "$build/python/venv" python/requirements-test.txt
+python=$build/python/venv/bin/python
+"$python" -m pip wheel --quiet --disable-pip-version-check --no-build-isolation --no-deps --config-settings build-dir="$out/wheel" \
+    --config-settings cmake.define.CMAKE_TOOLCHAIN_FILE="$PWD/cmake/x86_64-windows.cmake" \
+    --config-settings cmake.define.SV_WINDOWS_ROOT="$root" --wheel-dir "$out" ./python
+cp "$machine" "$out/filled/plugin"
+cp -r data/scenes "$out/filled/plugin/share/smartvis"
+cp -r "$root/licences" "$out/filled"
+cp LICENSE "$out/filled/licences"
+for package in mingw-w64-common libz-mingw-w64-dev gcc-mingw-w64-x86-64-win32; do cp "/usr/share/doc/$package/copyright" "$out/filled/licences/$package"; done
+"$python" scripts/fill_wheel.py "$out"/smartvis-*-linux_x86_64.whl "$out/filled" "$out" win_amd64
+rm "$out"/smartvis-*-linux_x86_64.whl
+"$python" -m zipfile -e "$out"/smartvis-*-win_amd64.whl "$out/unpacked"
+machine=$out/unpacked/smartvis/plugin/host_sim.exe
+needs=$(cd "$(dirname "$machine")" && x86_64-w64-mingw32-objdump -p smartvis.dll smartvis_seen.dll host_sim.exe | sed -n 's/.*DLL Name: //p' |
+    grep -vixE '(opencl|kernel32|msvcrt|advapi32|shell32|gdi32|user32)\.dll' || true)
+[ -z "$needs" ] || { echo "windows: the wheel needs $needs" >&2; exit 1; }
+both run --scene D02 --size 64 --frames 1 --picture 64 --few-pictures --write depthmap --out wheel
+equal wheel depthmap.mha
+ends 4 "$machine" list --plugin "$(dirname "$machine")/smartvis_seen.dll" # what Python opens is loaded, and is no plugin
+grep -q 'no symbol smartvis_plugin_entry' "$out/there.txt"
+echo "windows: $(ls "$out"/smartvis-*.whl): a frame of it is as on Linux"

@@ -11,9 +11,9 @@
 #ifndef HS_SEEN_H
 #define HS_SEEN_H
 
-#include <stdint.h>
+#include "smartvis_plugin.h"
 
-#define HS_SEEN_API __attribute__((visibility("default")))
+#include <stdint.h>
 
 /* What is scanned (hs_padding). */
 enum { HS_SEEN_AUTO = 0, HS_SEEN_ALL_SCANNED = 1, HS_SEEN_ZEROS = 2 };
@@ -57,29 +57,29 @@ typedef struct {
 } hs_seen_view;
 
 /* The reason of the last failure in this thread; static. */
-HS_SEEN_API const char *hs_seen_error(void);
+SV_EXPORT const char *hs_seen_error(void);
 
 /* Fills in levels, and what is known of them. A Kretz file is seen as host_sim sees it, unless `bytes` are
  * no more what lies in it. What it took is given back by hs_seen_drop. */
-HS_SEEN_API int32_t hs_seen_take(hs_seen_volume *volume);
-HS_SEEN_API void hs_seen_drop(hs_seen_volume *volume);
+SV_EXPORT int32_t hs_seen_take(hs_seen_volume *volume);
+SV_EXPORT void hs_seen_drop(hs_seen_volume *volume);
 
 /* Fills in the view's grid. */
-HS_SEEN_API int32_t hs_seen_plan(const hs_seen_volume *volume, hs_seen_view *view);
+SV_EXPORT int32_t hs_seen_plan(const hs_seen_volume *volume, hs_seen_view *view);
 
 /* The voxels of that grid, n[2] * n[1] * n[0] bytes, and of every ray its first scanned slice and the first
  * one behind the scan, n[1] * n[0] pairs. The first call opens the device and builds kernels. */
-HS_SEEN_API int32_t hs_seen_look(const hs_seen_volume *volume, const hs_seen_view *view, uint8_t *voxels,
-                                 uint16_t *ranges);
+SV_EXPORT int32_t hs_seen_look(const hs_seen_volume *volume, const hs_seen_view *view, uint8_t *voxels,
+                               uint16_t *ranges);
 
 /* Applies `count` marks, hs_mark of loop/marks.h, to a depthmap of that grid (hs_marks_apply). */
-HS_SEEN_API int32_t hs_seen_mark(const hs_seen_volume *volume, const hs_seen_view *view, const void *marks,
-                                 uint32_t count, float *depth);
+SV_EXPORT int32_t hs_seen_mark(const hs_seen_volume *volume, const hs_seen_view *view, const void *marks,
+                               uint32_t count, float *depth);
 
 /* A plugin's sv_confidence_report in words for who holds the probe; 0: it tells no reason. */
-HS_SEEN_API int32_t hs_seen_reason(const void *report, char words[320]);
+SV_EXPORT int32_t hs_seen_reason(const void *report, char words[320]);
 
 /* Gives the device back. */
-HS_SEEN_API void hs_seen_close(void);
+SV_EXPORT void hs_seen_close(void);
 
 #endif

@@ -38,16 +38,18 @@ static inline void sv_close(void *library) {
 }
 
 /*
- * Loads the library at `path` (UTF-8), whose constructors run, and finds its entry. *library gets what
- * sv_close takes; NULL: the library stays loaded. A path without a folder is looked up where the system looks
- * for libraries. The host reads abi_major before all else. On failure NULL: nothing stays loaded, and the
- * reason stands in `why`, of `bytes` bytes.
+ * Loads the library at `path`, whose constructors run, and finds its entry. The path is UTF-8; on Windows
+ * what is not is text of the code page, as argv is. *library gets what sv_close takes; NULL: the library
+ * stays loaded. A path without a folder is looked up where the system looks for libraries. The host reads
+ * abi_major before all else. On failure NULL: nothing stays loaded, and the reason stands in `why`, of
+ * `bytes` bytes.
  */
 static inline const sv_entry *sv_open(const char *path, void **library, char *why, size_t bytes) {
     const sv_entry *entry = NULL;
 #if defined(_WIN32)
     wchar_t wide[4096];
-    const int count = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, 4096);
+    int count = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, 4096);
+    if (count == 0) count = MultiByteToWideChar(CP_ACP, 0, path, -1, wide, 4096);
     void *loaded = count > 0 ? (void *)LoadLibraryW(wide) : NULL;
     if (loaded) {
         const FARPROC found = GetProcAddress((HMODULE)loaded, SV_ENTRY_SYMBOL);

@@ -18,8 +18,9 @@ from pathlib import Path
 from . import _runtime
 from ._errors import HostError
 
-_OWN = Path(__file__).with_name("plugin") / "host_sim"
-_CLONE = Path(__file__).resolve().parents[2] / "build" / "host_sim"
+_NAME = "host_sim.exe" if _runtime.WINDOWS else "host_sim"
+_OWN = Path(__file__).with_name("plugin") / _NAME
+_CLONE = Path(__file__).resolve().parents[2] / "build" / _NAME
 _OPENCL = 5  # host_sim's exit code where OpenCL is missing or fails
 
 
@@ -45,7 +46,7 @@ def run(arguments: Sequence[str], folder: str | None = None) -> str:
     environment = _environment(program)
     command = [os.path.abspath(program), *arguments]
     ended = subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, errors="replace", check=False
+        command, cwd=folder, env=environment, capture_output=True, encoding="utf-8", errors="replace", check=False
     )
     if ended.returncode != 0:
         # Where its cache cannot be written, fontconfig says so first; nothing fails for that.

@@ -209,7 +209,7 @@ def _value_text(instance: ctypes._Pointer[Any], param_id: int, value: float) -> 
 
 def default_path() -> str:
     """The plugin of this package, or the file that ``SMARTVIS_PLUGIN`` names."""
-    return os.environ.get("SMARTVIS_PLUGIN") or str(Path(__file__).with_name("plugin") / "smartvis.so")
+    return os.environ.get("SMARTVIS_PLUGIN") or str(Path(__file__).with_name("plugin") / f"smartvis{_runtime.LIBRARY}")
 
 
 def load(path: str | os.PathLike[str] | None = None, id: str | None = None) -> Plugin:
@@ -234,10 +234,12 @@ def _open(path: str) -> tuple[Plugin, ...]:
         raise LoadError(f"{path}: no such file")
     _runtime.use_one()
     try:
-        library = ctypes.CDLL(path, mode=os.RTLD_NOW | os.RTLD_LOCAL)
+        library = ctypes.CDLL(path)
         entry = _abi.sv_entry.in_dll(library, _abi.SV_ENTRY_SYMBOL)
     except (OSError, ValueError) as error:
         loader = " (sudo apt-get install ocl-icd-libopencl1)" if "libOpenCL.so" in str(error) else ""
+        if _runtime.WINDOWS and isinstance(error, OSError):  # which does not say what is missing
+            loader = _runtime.mend(_abi.SV_ERR_NO_DEVICE, "")
         raise LoadError(f"{path}: {error}{loader}") from None
     if entry.abi_major != _abi.SV_ABI_MAJOR:
         raise LoadError(f"{path}: made for ABI {entry.abi_major}, this package knows {_abi.SV_ABI_MAJOR}")

@@ -67,6 +67,6 @@ def _how_it_died(child: subprocess.Popen[bytes]) -> str:
     if code < 0:
         with contextlib.suppress(ValueError):
             name = signal.Signals(-code).name
-    if code == -signal.SIGKILL:
+    if code == -9:  # SIGKILL, which Windows has no name for
         return "the program that reads it was ended, perhaps for want of memory"
     return f"the library that reads it crashes at it ({name}): the file is damaged"

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from . import _abi
 
+WINDOWS = os.name == "nt"
+LIBRARY = ".dll" if WINDOWS else ".so"  #: what a library's name ends with
 _VENDORS = Path("/etc/OpenCL/vendors")  #: where the system's runtimes are listed
 #: Of the loaders of Debian and of Khronos, in this order. Whoever sets one of them has chosen.
 _VARIABLES = ("OCL_ICD_VENDORS", "OCL_ICD_FILENAMES")
@@ -86,6 +88,8 @@ def mend(status: int, reason: str, environment: Mapping[str, str] | None = None)
         return f" (this PoCL is older than the processor: {_INTEL})"
     if status != _abi.SV_ERR_NO_DEVICE:
         return ""
+    if WINDOWS:
+        return " (a driver with OpenCL is missing: that of the graphics card or of the processor)"
     if found is None:
         return f" (a runtime for the processor: {_POCL if shutil.which('ld') else _INTEL})"
     if _lacks_linker(found):

@@ -77,12 +77,12 @@ class _Mark(ctypes.Structure):
 
 @cache
 def _library() -> Any:
-    own = Path(__file__).with_name("plugin") / "smartvis_seen.so"
-    clone = Path(__file__).resolve().parents[2] / "build" / "smartvis_seen.so"
+    own = Path(__file__).with_name("plugin") / f"smartvis_seen{_runtime.LIBRARY}"
+    clone = Path(__file__).resolve().parents[2] / "build" / f"smartvis_seen{_runtime.LIBRARY}"
     path = own if own.exists() else clone
     _runtime.use_one()
     try:
-        library = ctypes.CDLL(str(path), mode=os.RTLD_NOW | os.RTLD_LOCAL)
+        library = ctypes.CDLL(str(path))
     except OSError as error:
         raise LoadError(f"{path}: {error}") from None
     library.hs_seen_error.restype = ctypes.c_char_p

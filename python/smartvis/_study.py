@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import faulthandler
 import hashlib
 import json
 import os
-import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
@@ -115,7 +115,7 @@ def task(path: str, frame: int, settings: Settings, out: str, seconds: int) -> d
     if began.exists() and time.time() - began.stat().st_mtime >= seconds:
         return _keep(Row(path, frame, "input", f"{path}: it took longer than {seconds} s"), results)
     whole(began, lambda part: part.write_text(""))
-    signal.alarm(seconds)
+    faulthandler.dump_traceback_later(seconds, exit=True, file=2)
     try:
         if _worker_source is None or _worker_source.path != file:
             _worker_source = Source(file, mirror=settings.mirror, spacing=settings.spacing)
@@ -123,7 +123,7 @@ def task(path: str, frame: int, settings: Settings, out: str, seconds: int) -> d
     except FileError as error:
         row = Row(path, frame, "input", str(error))
     finally:
-        signal.alarm(0)
+        faulthandler.cancel_dump_traceback_later()
         began.unlink(missing_ok=True)
     return _keep(row, results)
 

@@ -297,7 +297,7 @@ def parser_of() -> argparse.ArgumentParser:
     batch = commands.add_parser("batch", help="clip every volume of a study, on many workers")
     batch.add_argument("folder", nargs="+", help="folders and files; folders with all below them")
     batch.add_argument("--out", default="out", help="folder for results, index.html and table.csv [out]")
-    count = len(os.sched_getaffinity(0))
+    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     batch.add_argument("--workers", type=positive, default=count, help=f"processes on this machine [{count}]")
     batch.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler instead; it sees the same files")
     batch.add_argument("--seconds", type=positive, default=600, help="that a volume may take [600]")

@@ -15,6 +15,7 @@ that sends nonsense, stops in the middle or vanishes ends its own connection onl
 from __future__ import annotations
 
 import logging
+import math
 import os
 import socket
 import socketserver
@@ -67,7 +68,8 @@ class Server(socketserver.ThreadingTCPServer):
         self.settings = settings
         self.limit = limit
         self.patience = patience
-        machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+        pages = "SC_PHYS_PAGES", "SC_PAGE_SIZE"
+        machine = math.prod(map(os.sysconf, pages)) if hasattr(os, "sysconf") else 8 << 30  # Windows does not tell
         self.budget = Budget(memory or machine // 4, all_memory or machine // 2)
         self.room = threading.BoundedSemaphore(clients)
         super().__init__((host, port), _Connection)
