@@ -6,7 +6,6 @@
 #include "base/system.h"
 
 #include <stdio.h>
-#include <string.h>
 
 static char program[SYS_PATH + 16];
 static bool itself;

@@ -6,7 +6,6 @@
 #include "plugin/loader.h"
 
 #include <stdio.h>
-#include <string.h>
 
 #define TELL_EVERY_S 0.5
 

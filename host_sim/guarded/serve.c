@@ -7,7 +7,6 @@
 #include "plugin/capabilities.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct {

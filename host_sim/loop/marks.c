@@ -2,7 +2,6 @@
 #include "loop/marks.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define GAP_MM 2.0 /* of fluid, between two runs of tissue */

@@ -4,7 +4,6 @@
 #include "base/text.h"
 #include "picture/picture.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /*
  * Attenuation and time-gain compensation. On its way to depth z and back an echo loses

@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static bool file_path(char path[1100], const char *prefix, const char *what, const char *ending,
                       hs_error *err) {

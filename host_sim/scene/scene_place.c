@@ -9,7 +9,6 @@
 #include "scene/scene_spec.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #define COARSE_MM 1.0f
 #define BEAMS     100.0f /* along an axis at most */

@@ -4,9 +4,6 @@
 #include "scene/scene_solid.h"
 #include "scene/scene_spec.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const hs_json_field top_fields[] = {

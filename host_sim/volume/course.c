@@ -2,7 +2,6 @@
 #include "volume/fan_fit.h"
 #include "volume/levels.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

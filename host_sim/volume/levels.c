@@ -4,7 +4,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 enum { LANES = 16 }; /* loops of a fixed length, which compilers turn into vectors */
 

@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 #define WHOLE 0.01 /* shares up to which nothing is cut, or left, to the eye */

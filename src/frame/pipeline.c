@@ -7,7 +7,6 @@
 #include "smartvis/author_checks.h"
 
 #include <assert.h>
-#include <stdio.h>
 
 /* Maps up to this many pixels are reconstructed in one launch by one work item: there a launch costs as much
  * as a pass (docs/performance.md). */

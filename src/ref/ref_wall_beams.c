@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "ref/ref_wall_steps.h"
 
-#include <stdlib.h>
-
 /* The sine of an angle, SV_WALL_SINE_BITS, linear between the entries of its table. */
 static int64_t sine(const uint32_t *tables, int32_t angle) {
     const uint32_t size = (uint32_t)(angle < 0 ? -angle : angle);

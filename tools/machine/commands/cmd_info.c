@@ -12,7 +12,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 static void print_pose(const hs_volume *v) {
     char words[200], letters[4];

@@ -7,8 +7,6 @@
 #include "render/camera.h"
 #include "volume/fan_fit.h"
 
-#include <unistd.h>
-
 #define COLUMN 24 /* characters of a setting's column */
 
 static const char *carrier_name(uint32_t carrier) {

@@ -12,7 +12,6 @@
 #include <malloc.h>
 #include <signal.h>
 #include <stdio.h>
-#include <string.h>
 #include <time.h>
 
 #define MAX_LIBRARIES 16u

@@ -7,7 +7,6 @@
 #include "plugin/capabilities.h"
 #include "plugin/loader_param.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>

@@ -11,9 +11,7 @@
 
 #include <jansson.h>
 #include <limits.h>
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static void put(json_t *object, const char *key, json_t *value) {
     (void)json_object_set_new(object, key, value);

@@ -9,7 +9,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define MAX_STRETCH   20.0f               /* of spacings against each other */
 #define SQUARE_VOXELS (UINT64_C(1) << 24) /* that a picture may have beside four times those of the frame */

@@ -4,8 +4,6 @@
 #include "smartvis/author_method.h"
 
 #include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
 
 enum { TRIED = 1, SEEN = 2, BOTH = 3 };
 
