@@ -14,7 +14,7 @@ root=$out/root
 # OpenCL for the linker: the names that this machine's loader exports are those of OpenCL.dll; the headers are the same, too.
 mkdir -p "$root/lib" "$root/include"
 cp -rL /usr/include/CL "$root/include"
-loader=$(ldconfig -p | awk '$1 == "libOpenCL.so.1" { print $NF; exit }')
+loader=$(ldconfig -p | awk '$1 == "libOpenCL.so.1" && !n++ { print $NF }')
 {
     printf 'LIBRARY OpenCL.dll\nEXPORTS\n'
     nm -D --defined-only "$loader" | awk '$3 ~ /^cl[A-Z]/ { sub(/@.*/, "", $3); print $3 }' | sort -u
@@ -54,7 +54,8 @@ same() {
     fi
     echo "windows: $(basename "$2") $(basename "$4"): as on Linux ($(head -n 1 "$out/here.txt"))"
 }
-mkdir -p "$out/fötus"
+mkdir -p "$out/fötus" "$out/plugin/share/smartvis"
+cp -r data/scenes "$out/plugin/share/smartvis"
 cp "$out/plugin/smartvis.dll" "$out/fötus/"
 examples=$build/examples
 same "$examples/small_host" "$out/small_host/small_host.exe" "$build/smartvis.so" "$out/plugin/smartvis.dll"
@@ -121,8 +122,7 @@ echo "windows: devices, streams and long names are refused"
 
 # host_sim: what it makes of scenes and files, in a folder whose name is not ASCII, is what it makes on Linux, bit for bit.
 machine=$out/plugin/host_sim.exe
-mkdir -p "$out/plugin/share/smartvis" "$out/here"
-cp -r data/scenes "$out/plugin/share/smartvis"
+mkdir -p "$out/here"
 both() { # both COMMAND ARGUMENT...: of host_sim, here and there
     (cd "$out/here" && "$build/host_sim" "$@") > "$out/here.txt" 2> "$out/here.log" || { cat "$out/here.log" >&2; exit 1; }
     (cd "$out/fötus" && timeout 300 wine "$machine" "$@") > "$out/there.txt" 2> "$out/there.log" ||

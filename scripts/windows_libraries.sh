@@ -21,8 +21,11 @@ fetch() { # fetch PACKAGE: its source, with Debian's patches, in ROOT/apt/PACKAG
     fi
     # The newest that is there: not every mirror has what its lists name.
     for version in $(apt-cache "${own[@]}" showsrc --only-source "$1" | sed -n 's/^Version: //p' | sort -rVu); do
-        apt-get "${own[@]}" -q source "$1=$version" && break
+        apt-get "${own[@]}" -q source "$1=$version" && return
     done
+    rm sources.list # to be read anew
+    echo "windows_libraries: the source of the Debian package $1 cannot be had from here"
+    return 1
 }
 
 build() { # build LIBRARY PACKAGE ARGUMENT...: unless ROOT/lib/LIBRARY.a is there
@@ -37,8 +40,8 @@ build() { # build LIBRARY PACKAGE ARGUMENT...: unless ROOT/lib/LIBRARY.a is ther
     cp "$source/debian/copyright" "$root/licences/$2"
 }
 log=$root/apt/log
-{
-    build libjansson jansson -D JANSSON_EXAMPLES=OFF -D JANSSON_BUILD_DOCS=OFF -D JANSSON_WITHOUT_TESTS=ON &&
-        build libpng16 libpng1.6 -D PNG_SHARED=OFF -D PNG_TESTS=OFF &&
-        build libturbojpeg libjpeg-turbo -D ENABLE_SHARED=OFF -D WITH_SIMD=OFF
-} > "$log" 2>&1 || { tail -n 40 "$log" >&2; exit 1; }
+exec 3>&2 > "$log" 2>&1
+trap '[ $? = 0 ] || tail -n 40 "$log" >&3' EXIT
+build libjansson jansson -D JANSSON_EXAMPLES=OFF -D JANSSON_BUILD_DOCS=OFF -D JANSSON_WITHOUT_TESTS=ON
+build libpng16 libpng1.6 -D PNG_SHARED=OFF -D PNG_TESTS=OFF
+build libturbojpeg libjpeg-turbo -D ENABLE_SHARED=OFF -D WITH_SIMD=OFF
