@@ -59,11 +59,13 @@ lab/judge | abi HOST shared src src/ref tools/sdk/stage lab/eval . | libc opencl
 tools/sdk/layer | abi host_sim/base tools/sdk/rules tools/sdk/record . | libc opencl
 tools/sdk/record | abi host_sim/base tools/sdk/rules . | libc opencl zlib
 tools/sdk/replay | abi HOST tools/machine/show tools/sdk/rules tools/sdk/record . | libc opencl
+tools/sdk/validate/spy/*_pe.c | . | libc windows
 tools/sdk/validate/spy | . | libc opencl elf
 tools/sdk/rules | abi . | libc
-tools/sdk/stage | abi . | libc opencl
+tools/sdk/stage | abi host_sim/base . | libc opencl
+tools/sdk/validate/drive/process_windows.c | tools/sdk/validate/spy . | libc windows
 tools/sdk/validate/drive | abi host_sim/base host_sim/plugin tools/sdk/rules tools/sdk/stage tools/sdk/validate/spy . | libc opencl
-tools/sdk/validate/checks | abi host_sim/base host_sim/plugin tools/sdk/rules tools/sdk/stage tools/sdk/validate/spy tools/sdk/validate/drive . | libc opencl elf
+tools/sdk/validate/checks | abi host_sim/base host_sim/plugin tools/sdk/rules tools/sdk/stage tools/sdk/validate/spy tools/sdk/validate/drive . | libc opencl
 tools/sdk/validate | abi host_sim/base host_sim/guard tools/sdk/validate/drive tools/sdk/validate/checks . | libc json
 tools/machine | abi HOST tools/machine/commands lab/report tools/machine/console . | libc
 examples/* | abi kernels . | libc opencl
@@ -82,7 +84,7 @@ GROUPS = {
             "string.h strings.h threads.h time.h unistd.h wchar.h sys/*",
     "opencl": "CL/*",
     "elf": "elf.h link.h",
-    "windows": "io.h psapi.h sddl.h shellapi.h windows.h",
+    "windows": "io.h psapi.h sddl.h shellapi.h tlhelp32.h windows.h",
     "futex": "linux/futex.h",
     "zlib": "zlib.h",
     "json": "jansson.h",

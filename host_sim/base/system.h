@@ -76,6 +76,15 @@ void sys_own_folder(const void *inside, char *folder, size_t bytes);
  * that. */
 void sys_close_when_unloaded(void *library);
 
+/* Whole pages of memory, zeroed; NULL. Pages that are forbidden end who touches them. */
+size_t sys_page(void);
+void *sys_pages(size_t bytes);
+void sys_pages_forbid(void *at, size_t bytes);
+void sys_pages_free(void *at, size_t bytes);
+
+/* A file of no name, which is gone when it is closed: its descriptor; -1. */
+int sys_temporary(void);
+
 /* A variable's value as UTF-8; false, and "", if it is not set or longer. */
 bool sys_environment(const char *name, char *value, size_t bytes);
 

@@ -112,6 +112,27 @@ void sys_close_when_unloaded(void *library) {
     if (library) (void)dlclose(library);
 }
 
+size_t sys_page(void) {
+    return (size_t)sysconf(_SC_PAGESIZE);
+}
+
+void *sys_pages(size_t bytes) {
+    void *at = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    return at == MAP_FAILED ? NULL : at;
+}
+
+void sys_pages_forbid(void *at, size_t bytes) {
+    (void)mprotect(at, bytes, PROT_NONE);
+}
+
+void sys_pages_free(void *at, size_t bytes) {
+    if (at) (void)munmap(at, bytes);
+}
+
+int sys_temporary(void) {
+    return memfd_create("temporary", MFD_CLOEXEC);
+}
+
 bool sys_environment(const char *name, char *value, size_t bytes) {
     const char *set = getenv(name);
     const int length = snprintf(value, bytes, "%s", set ? set : "");

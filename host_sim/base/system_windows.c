@@ -276,15 +276,38 @@ void sys_aligned_free(void *memory) {
     _aligned_free(memory);
 }
 
-/* A file that is gone when it is closed. */
-FILE *sys_memory_open(char **text, size_t *bytes) {
+size_t sys_page(void) {
+    SYSTEM_INFO info;
+    GetSystemInfo(&info);
+    return info.dwPageSize;
+}
+
+void *sys_pages(size_t bytes) {
+    return VirtualAlloc(NULL, bytes, MEM_RESERVE | MEM_COMMIT, PAGE_READWRITE);
+}
+
+void sys_pages_forbid(void *at, size_t bytes) {
+    DWORD before;
+    (void)VirtualProtect(at, bytes, PAGE_NOACCESS, &before);
+}
+
+void sys_pages_free(void *at, size_t bytes) {
+    (void)bytes;
+    if (at) (void)VirtualFree(at, 0, MEM_RELEASE);
+}
+
+int sys_temporary(void) {
     wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 1];
-    *text = NULL;
-    *bytes = 0;
-    if (!GetTempPathW(MAX_PATH, folder) || !GetTempFileNameW(folder, L"sv", 0, name)) return NULL;
+    if (!GetTempPathW(MAX_PATH, folder) || !GetTempFileNameW(folder, L"sv", 0, name)) return -1;
     const HANDLE handle = CreateFileW(name, GENERIC_READ | GENERIC_WRITE, 0, NULL, CREATE_ALWAYS,
                                       FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
-    const int file = handle != INVALID_HANDLE_VALUE ? _open_osfhandle((intptr_t)handle, O_BINARY) : -1;
+    return handle != INVALID_HANDLE_VALUE ? _open_osfhandle((intptr_t)handle, O_BINARY) : -1;
+}
+
+FILE *sys_memory_open(char **text, size_t *bytes) {
+    const int file = sys_temporary();
+    *text = NULL;
+    *bytes = 0;
     return file >= 0 ? _fdopen(file, "w+b") : NULL;
 }
 

@@ -10,6 +10,7 @@
 #include "support/surfaces.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
+#include "validate/spy/library.h"
 
 static void watch(const fixture *f) {
     spy_watch(f->r.entry);
@@ -80,7 +81,7 @@ static void quiet_frame(fixture *f, const sv_result *result) {
 
 static void frames_are_quiet(void **state) {
     fixture *f = *state;
-    assert_null(spy_unknown_import(f->r.library));
+    assert_null(library_unknown_import(f->r.library));
     watch(f);
     cl_mem buffer = rig_buffer(&f->r, FIXTURE_RAYS * 4);
     float *wide = unit_memory(FIXTURE_HEIGHT * 256);

@@ -2,12 +2,13 @@
 /* Wrong plugins: states, refusals, and how they treat the process and the host they live in. */
 #include "wrong_base.h"
 
-#include <fcntl.h>
 #include <fenv.h>
 #include <locale.h>
 #include <pthread.h>
 #include <string.h>
+#if !defined(_WIN32)
 #include <sys/resource.h>
+#endif
 
 enum { MEBIBYTE = 1 << 20, GRAB_MEBIBYTES = 2048, MAX_RAYS = 4096, LINES = 10000 };
 static int refused_a_slab; /* since activate */
@@ -47,6 +48,10 @@ static void spoil_descriptors(void) {
         (void)!write(number, "", 1);
 }
 
+#if defined(_WIN32) /* where there is no such thing */
+static void leave_a_process(void) {}
+static void lower_limits(void) {}
+#else
 /* Once, and for minutes only, should a host not end it; or it goes on as a copy of the host. */
 static void leave_a_process(void) {
     static int left;
@@ -62,6 +67,7 @@ static void lower_limits(void) {
     files.rlim_cur /= 2;
     (void)setrlimit(RLIMIT_NOFILE, &files);
 }
+#endif
 
 static void *sleep_for_ever(void *nothing) {
     wrong_hang();
@@ -83,7 +89,7 @@ static void leak(void) {
         *(volatile char *)block = 1;
         free(block);
     }
-    if (WRONG_IS(leaks_file) && open("/dev/null", O_RDONLY) < 0) wrong_crash();
+    if (WRONG_IS(leaks_file) && dup(STDERR_FILENO) < 0) wrong_crash();
     if (WRONG_IS(leaks_thread) && pthread_create(&thread, NULL, sleep_for_ever, NULL) == 0)
         (void)pthread_detach(thread);
 }

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "stage/stage.h"
 
+#include "base/system.h"
 #include "smartvis/author_checks.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 enum { GUARD = 256, OBJECT_OFFSET = 64, RANGES_OFFSET = 12 };
 
@@ -59,7 +58,7 @@ static void describe(stage *st) {
 
 /* ---- memory and objects */
 static size_t whole_pages(size_t bytes) {
-    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    const size_t page = sys_page();
     return (bytes + page - 1) / page * page;
 }
 
@@ -69,15 +68,15 @@ static void place_slabs(stage *st) {
     const size_t rows = ((size_t)f->max_slab_slices + f->tiles_x - 1) / f->tiles_x * f->tile_h;
     const size_t each = whole_pages(rows * f->row_pitch + 64), page = whole_pages(1);
     st->page_bytes = (each + page) * st->slab_count;
-    void *pages = mmap(NULL, st->page_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (pages == MAP_FAILED) st->failed(st->data, "memory for slabs", CL_SUCCESS);
+    void *pages = sys_pages(st->page_bytes);
+    if (!pages) st->failed(st->data, "memory for slabs", CL_SUCCESS);
     st->pages = pages;
     for (uint32_t n = 0; n < st->slab_count; n++) {
         uint8_t *start = st->pages + n * (each + page);
         const size_t own = ((size_t)st->length[n] + f->tiles_x - 1) / f->tiles_x * f->tile_h;
         st->bytes[n] = st->way.exact ? sva_slab_bytes(f, st->length[n]) : own * f->row_pitch;
         st->memory[n] = st->way.exact ? start + each - st->bytes[n] : start;
-        if (st->way.exact) (void)mprotect(start + each, page, PROT_NONE);
+        if (st->way.exact) sys_pages_forbid(start + each, page);
     }
     if (!st->way.registered) return;
     st->format.host_memory = st->pages;
@@ -138,7 +137,7 @@ void stage_free(stage *st) {
         if (st->objects[n]) (void)clReleaseMemObject(st->objects[n]);
     if (st->ranges_object) (void)clReleaseMemObject(st->ranges_object);
     if (st->depth_object) (void)clReleaseMemObject(st->depth_object);
-    if (st->pages) (void)munmap(st->pages, st->page_bytes);
+    sys_pages_free(st->pages, st->page_bytes);
     free(st->results);
     free(st->ranges);
     memset(st, 0, sizeof *st);

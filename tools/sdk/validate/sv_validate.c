@@ -10,17 +10,15 @@
 #include "base/text.h"
 #include "guard/child.h"
 #include "smartvis_plugin.h"
+#include "validate/drive/process.h"
 #include "validate/findings.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
+#include <inttypes.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* -------------------------------------------------------------------------------------- running checks -- */
@@ -167,7 +165,7 @@ typedef struct {
     size_t only_count;
     bool json, list, version;
     const char *junit;
-    char path[PATH_MAX];
+    char path[SYS_PATH];
 } command;
 
 static bool take_only(void *all, const char *ids, hs_error *err) {
@@ -185,29 +183,28 @@ static bool take_only(void *all, const char *ids, hs_error *err) {
 /* What this process may not open would be told as the plugin's fault. */
 static bool may_open_files(hs_error *err) {
     enum { NEEDED = 64 };
-    struct rlimit files;
-    return getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= NEEDED ||
-           hs_fail(err, HS_ERR_MEMORY, "this process may open %llu files (ulimit -n), %d are needed",
-                   (unsigned long long)files.rlim_cur, NEEDED);
+    return v_process_most_files() >= NEEDED ||
+           hs_fail(err, HS_ERR_MEMORY, "this process may open %" PRIu64 " files (ulimit -n), %d are needed",
+                   v_process_most_files(), NEEDED);
 }
 
 /* A regular file that begins as a shared library does. */
 static bool find_library(command *c, const char *path, hs_error *err) {
-    struct stat info;
     char magic[4] = "";
-    if (stat(path, &info) != 0)
+    const size_t wanted = strlen(library_magic);
+    if (!sys_is_there(path))
         return hs_fail(err, HS_ERR_INPUT, "%s: cannot be read: %s", path, strerror(errno));
-    if (!S_ISREG(info.st_mode)) return hs_fail(err, HS_ERR_INPUT, "%s: not a file", path);
-    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (!sys_is_file(path)) return hs_fail(err, HS_ERR_INPUT, "%s: not a file", path);
+    const int file = sys_open(path, SYS_READ);
     if (file < 0) return hs_fail(err, HS_ERR_INPUT, "%s: cannot be read: %s", path, strerror(errno));
-    const ssize_t got = read(file, magic, sizeof magic);
+    const ptrdiff_t got = sys_read_at(file, magic, wanted, 0);
     (void)close(file);
-    if (got != (ssize_t)sizeof magic || memcmp(magic,
-                                               "\x7f"
-                                               "ELF",
-                                               sizeof magic) != 0)
+    if (got != (ptrdiff_t)wanted || memcmp(magic, library_magic, wanted) != 0)
         return hs_fail(err, HS_ERR_INPUT, "%s: not a shared library", path);
-    if (!realpath(path, c->path)) return hs_fail(err, HS_ERR_INPUT, "%s: cannot be resolved", path);
+    char *whole = sys_full_path(path);
+    (void)snprintf(c->path, sizeof c->path, "%s", whole ? whole : "");
+    free(whole);
+    if (!c->path[0]) return hs_fail(err, HS_ERR_INPUT, "%s: cannot be resolved", path);
     c->run.path = c->path;
     return true;
 }

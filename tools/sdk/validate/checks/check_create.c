@@ -2,14 +2,13 @@
 /* Checks of instances and of how a plugin treats its host and its process. */
 #include "validate/checks/check.h"
 
+#include "base/system.h"
+#include "validate/drive/process.h"
 #include "validate/spy/cl_spy.h"
-#include "validate/spy/library_range.h"
 
 #include <fenv.h>
 #include <inttypes.h>
 #include <locale.h>
-#include <signal.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -139,30 +138,18 @@ void check_host_callbacks(v_run *run) {
 }
 
 /* ---- the process */
-static const int watched_signals[] = {SIGINT, SIGTERM, SIGPIPE, SIGCHLD, SIGSEGV, SIGFPE, SIGALRM};
-
 typedef struct {
     char locale[512], folder[1024];
     int rounding;
     mode_t mask;
 } process_state;
 
-/* A signal whose handler lies in the library, or 0. An OpenCL runtime may have handlers of its own. */
-static int handled_signal(library_range library) {
-    for (size_t i = 0; i < sizeof watched_signals / sizeof *watched_signals; i++) {
-        struct sigaction now;
-        (void)sigaction(watched_signals[i], NULL, &now);
-        if (library_range_holds(library, (const void *)(uintptr_t)now.sa_handler)) return watched_signals[i];
-    }
-    return 0;
-}
-
 static void read_process_state(process_state *w) {
     memset(w, 0, sizeof *w);
     (void)snprintf(w->locale, sizeof w->locale, "%s", setlocale(LC_ALL, NULL));
     if (!getcwd(w->folder, sizeof w->folder)) w->folder[0] = '\0';
     w->rounding = fegetround();
-    w->mask = umask(0);
+    w->mask = (mode_t)umask(0);
     (void)umask(w->mask);
 }
 
@@ -171,14 +158,14 @@ void check_process_untouched(v_run *run) {
     struct stat said = {0};
     /* Standard output goes to memory meanwhile. */
     (void)fflush(stdout);
-    const int output = dup(STDOUT_FILENO), memory = memfd_create("output", 0);
+    const int output = dup(STDOUT_FILENO), memory = sys_temporary();
     const bool caught = output >= 0 && memory >= 0 && dup2(memory, STDOUT_FILENO) >= 0;
     read_process_state(&before);
     run->watch = v_watch_begin();
     V_EXPECT(run, run->watch, "no memory for a file: the check could not be made");
     v_rig *r = v_rig_open(run);
     provoke(r);
-    const int signal_number = handled_signal(library_range_of(r->s.entry));
+    const char *const handler = v_process_handler(library_range_of(r->s.entry));
     v_rig_close(r);
     v_where(run, "the check itself");
     run->watch = NULL;
@@ -191,7 +178,7 @@ void check_process_untouched(v_run *run) {
              after.rounding);
     V_EXPECT(run, strcmp(before.folder, after.folder) == 0, "the plugin changes the working folder");
     V_EXPECT(run, before.mask == after.mask, "the plugin changes the umask");
-    V_EXPECT(run, signal_number == 0, "the plugin handles a signal: SIG%s", sigabbrev_np(signal_number));
+    V_EXPECT(run, !handler, "the plugin handles a signal: %s", handler);
     V_EXPECT(run, said.st_size == 0, "the plugin prints %lld bytes to the standard output",
              (long long)said.st_size);
 }

@@ -3,18 +3,17 @@
 #include "validate/checks/check.h"
 
 #include "base/progress.h"
+#include "validate/spy/library.h"
 
-#include <dlfcn.h>
-#include <elf.h>
-#include <link.h>
 #include <stdlib.h>
 
 #define SCAN_SECONDS 0.1
 
 static void *load(v_run *run) {
-    v_where(run, "dlopen");
-    void *library = dlopen(run->path, RTLD_NOW | RTLD_LOCAL);
-    V_EXPECT(run, library, "dlopen: %s", dlerror());
+    char why[256];
+    v_where(run, "loading");
+    void *library = library_load(run->path, why, sizeof why);
+    V_EXPECT(run, library, "%s", why);
     return library;
 }
 
@@ -25,8 +24,8 @@ void check_library_loads(v_run *run) {
 void check_library_reloads(v_run *run) {
     for (int i = 0; i < 3; i++) {
         void *library = load(run);
-        v_where(run, "dlclose");
-        V_EXPECT(run, dlclose(library) == 0, "dlclose: %s", dlerror());
+        v_where(run, "unloading");
+        V_EXPECT(run, library_close(library), "the library cannot be unloaded");
     }
     for (int i = 0; i < 3; i++) {
         v_subject s;
@@ -36,25 +35,6 @@ void check_library_reloads(v_run *run) {
 }
 
 /* ---- symbols */
-typedef struct {
-    const ElfW(Sym) * symbols;
-    const char *names;
-    const uint32_t *hash;
-} tables;
-
-/* One more than the last symbol that others can find: GNU's hash table ends every chain by an odd value. */
-static uint32_t symbol_end(const tables *t) {
-    const uint32_t buckets = t->hash[0], first = t->hash[1], words = t->hash[2];
-    const uint32_t *bucket = t->hash + 4 + words * (sizeof(ElfW(Addr)) / sizeof(uint32_t));
-    const uint32_t *chain = bucket + buckets;
-    uint32_t last = 0;
-    for (uint32_t i = 0; i < buckets; i++)
-        if (bucket[i] > last) last = bucket[i];
-    if (last < first) return first;
-    while (!(chain[last - first] & 1u)) last++;
-    return last + 1;
-}
-
 /* Also what AddressSanitizer adds beside every variable. */
 static bool is_toolchains_own(const char *name) {
     static const char *const own[] = {"_init", "_fini", "_end", "_edata", "__bss_start"};
@@ -63,32 +43,20 @@ static bool is_toolchains_own(const char *name) {
     return strncmp(name, "__odr_asan", strlen("__odr_asan")) == 0;
 }
 
-static void inspect_symbol(v_run *run, const tables *t, uint32_t i) {
-    const ElfW(Sym) *symbol = &t->symbols[i];
-    const char *name = t->names + symbol->st_name;
-    const unsigned binding = symbol->st_info >> 4u;
-    if (symbol->st_shndx == SHN_UNDEF || is_toolchains_own(name) || strcmp(name, SV_ENTRY_SYMBOL) == 0)
-        return;
-    if (binding == STB_WEAK)
+static void inspect_symbol(void *context, const char *name, bool weak) {
+    v_run *run = context;
+    if (is_toolchains_own(name) || strcmp(name, SV_ENTRY_SYMBOL) == 0) return;
+    if (weak)
         v_warn(run, "the library also exports the weak symbol %s", name);
-    else if (binding != STB_LOCAL)
+    else
         v_fail(run, "the library also exports %s; its only symbol should be " SV_ENTRY_SYMBOL, name);
 }
 
 void check_library_symbols(v_run *run) {
-    struct link_map *map = NULL;
-    tables t = {0};
     void *library = load(run);
-    V_EXPECT(run, dlsym(library, SV_ENTRY_SYMBOL), "the library exports no symbol " SV_ENTRY_SYMBOL);
-    V_EXPECT(run, dlinfo(library, RTLD_DI_LINKMAP, &map) == 0, "dlinfo: %s", dlerror());
-    for (const ElfW(Dyn) *d = map->l_ld; d->d_tag != DT_NULL; d++) {
-        if (d->d_tag == DT_SYMTAB) t.symbols = (const ElfW(Sym) *)d->d_un.d_ptr;
-        if (d->d_tag == DT_STRTAB) t.names = (const char *)d->d_un.d_ptr;
-        if (d->d_tag == DT_GNU_HASH) t.hash = (const uint32_t *)d->d_un.d_ptr;
-    }
-    if (!t.symbols || !t.names || !t.hash) v_skip(run, "the library has no GNU hash table of symbols");
-    const uint32_t end = symbol_end(&t);
-    for (uint32_t i = t.hash[1]; i < end; i++) inspect_symbol(run, &t, i);
+    V_EXPECT(run, library_find(library, SV_ENTRY_SYMBOL), "the library exports no symbol " SV_ENTRY_SYMBOL);
+    if (!library_exports(library, inspect_symbol, run))
+        v_skip(run, "the library has no GNU hash table of symbols");
 }
 
 void check_library_scan_time(v_run *run) {
@@ -104,7 +72,7 @@ void check_library_scan_time(v_run *run) {
 /* ---- entry and descriptors */
 void check_entry_whole(v_run *run) {
     const rule_sink to = v_sink(run);
-    const sv_entry *e = dlsym(load(run), SV_ENTRY_SYMBOL);
+    const sv_entry *e = library_find(load(run), SV_ENTRY_SYMBOL);
     V_EXPECT(run, e, "the library exports no symbol " SV_ENTRY_SYMBOL);
     judge_entry(&to, e);
 }

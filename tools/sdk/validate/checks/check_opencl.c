@@ -3,10 +3,10 @@
 #include "validate/checks/check.h"
 
 #include "smartvis/needs.h"
+#include "validate/drive/process.h"
 #include "validate/spy/cl_spy.h"
 #include "validate/spy/heap_spy.h"
 
-#include <dirent.h>
 #include <time.h>
 
 static void watch(v_subject *s) {
@@ -67,7 +67,7 @@ static void inspect_calls(v_rig *r, const char *call) {
 
 void check_frame_path_opencl(v_run *run) {
     v_rig *r = open_watched(run);
-    const char *unknown = spy_unknown_import(r->s.library);
+    const char *unknown = library_unknown_import(r->s.library);
     const uint32_t calls = all_calls();
     frame_with(r, inspect_calls);
     frame_with(r, inspect_calls);
@@ -311,15 +311,6 @@ void check_heap_faults(v_run *run) {
 }
 
 /* ---- what stays behind */
-static uint32_t entries_of(const char *folder) {
-    uint32_t count = 0;
-    DIR *dir = opendir(folder);
-    if (!dir) return 0;
-    while (readdir(dir)) count++;
-    (void)closedir(dir);
-    return count;
-}
-
 void check_activations(v_run *run) {
     enum { SETTLED = 4 }; /* runtimes keep something from the first times */
     const uint32_t turns = 20 * run->level;
@@ -329,8 +320,7 @@ void check_activations(v_run *run) {
         if (i % 10 < 2) (void)v_rig_frame(r, NULL, 0);
         v_deactivate(&r->s, r->s.plugin);
         if (i == SETTLED || i == turns - 1) {
-            const uint32_t f = entries_of("/proc/self/fd"), t = entries_of("/proc/self/task"),
-                           b = heap_spy_live();
+            const uint32_t f = v_process_files(), t = v_process_threads(), b = heap_spy_live();
             V_EXPECT(run, i == SETTLED || f <= files, "%u activations leave %u open files behind",
                      i - SETTLED, f - files);
             V_EXPECT(run, i == SETTLED || t <= threads, "%u activations leave %u threads behind", i - SETTLED,

@@ -3,8 +3,8 @@
 #include "validate/drive/drive.h"
 
 #include "plugin/loader.h"
+#include "validate/spy/library.h"
 
-#include <dlfcn.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -65,13 +65,14 @@ static void v_host_begin(v_host *host, v_run *run) {
 
 /* ---- the library */
 void v_load(v_run *run, v_subject *s) {
+    char why[256];
     memset(s, 0, sizeof *s);
     s->run = run;
-    v_where(run, "dlopen");
-    s->library = dlopen(run->path, RTLD_NOW | RTLD_LOCAL);
-    V_EXPECT(run, s->library, "dlopen: %s", dlerror());
-    s->entry = dlsym(s->library, SV_ENTRY_SYMBOL);
-    V_EXPECT(run, s->entry, "dlsym: %s", dlerror());
+    v_where(run, "loading");
+    s->library = library_load(run->path, why, sizeof why);
+    V_EXPECT(run, s->library, "%s", why);
+    s->entry = library_find(s->library, SV_ENTRY_SYMBOL);
+    V_EXPECT(run, s->entry, "the library exports no symbol " SV_ENTRY_SYMBOL);
     const rule_sink to = v_sink(run);
     judge_entry(&to, s->entry);
 }
@@ -119,8 +120,8 @@ void v_close(v_subject *s) {
     v_where(s->run, "destroy");
     if (s->plugin) s->plugin->destroy(s->plugin);
     s->plugin = NULL;
-    v_where(s->run, "dlclose");
-    if (s->library) (void)dlclose(s->library);
+    v_where(s->run, "unloading");
+    if (s->library) (void)library_close(s->library);
     s->library = NULL;
 }
 

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "validate/spy/cl_spy.h"
 
-#include "validate/spy/library_range.h"
+#include "validate/spy/library.h"
 
-#include <dlfcn.h>
-#include <link.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,6 +33,7 @@ static struct {
 void spy_watch(const void *address) {
     memset(&spy, 0, sizeof spy);
     spy.watched = library_range_of(address);
+    library_redirect(address);
 }
 
 void spy_reset(void) {
@@ -139,7 +138,7 @@ void spy_tells_memory(cl_device_info what, void *out) {
 /* Bytes that a buffer takes on the device. */
 static uint64_t bytes_of(cl_mem object) {
     static __typeof__(&clGetMemObjectInfo) info;
-    if (!info) *(void **)(&info) = dlsym(RTLD_NEXT, "clGetMemObjectInfo");
+    if (!info) *(void **)(&info) = library_next("clGetMemObjectInfo");
     size_t bytes = 0;
     cl_mem_flags flags = 0;
     if (info(object, CL_MEM_SIZE, sizeof bytes, &bytes, NULL) != CL_SUCCESS) return 0;
@@ -184,34 +183,9 @@ void spy_launches(cl_kernel kernel, cl_uint dims, const size_t *local) {
 void spy_has_read(cl_command_queue q, void *to, size_t row_bytes, size_t rows, size_t pitch) {
     if (spy.spoil_in == 0 || --spy.spoil_in > 0) return;
     static __typeof__(&clFinish) finish;
-    if (!finish) *(void **)(&finish) = dlsym(RTLD_NEXT, "clFinish");
+    if (!finish) *(void **)(&finish) = library_next("clFinish");
     if (finish(q) != CL_SUCCESS) abort();
     for (size_t y = 0; y < rows; y++)
         for (size_t x = 0; x < row_bytes; x++) ((unsigned char *)to)[y * pitch + x] ^= 0x40;
     spy.spoiled = true;
-}
-
-const char *spy_unknown_import(void *handle) {
-    struct link_map *map = NULL;
-    if (dlinfo(handle, RTLD_DI_LINKMAP, &map) != 0) return "(no link map)";
-    const ElfW(Sym) *symbols = NULL;
-    const char *names = NULL;
-    const uint32_t *hash = NULL;
-    for (const ElfW(Dyn) *d = map->l_ld; d->d_tag != DT_NULL; d++) {
-        if (d->d_tag == DT_SYMTAB) symbols = (const ElfW(Sym) *)d->d_un.d_ptr;
-        if (d->d_tag == DT_STRTAB) names = (const char *)d->d_un.d_ptr;
-        if (d->d_tag == DT_GNU_HASH) hash = (const uint32_t *)d->d_un.d_ptr;
-    }
-    if (!symbols || !names || !hash) return "(no symbol table)";
-    void *self = dlopen(NULL, RTLD_NOW);
-    const char *unknown = NULL;
-    for (uint32_t i = 1; i < hash[1] && !unknown; i++) { /* hash[1]: the first symbol that is not an import */
-        const char *name = names + symbols[i].st_name;
-        if (strncmp(name, "cl", 2) != 0 || name[2] < 'A' || name[2] > 'Z') continue;
-        const void *known = self ? dlsym(self, name) : NULL;
-        if (!known || !library_range_holds(library_range_of((const void *)(uintptr_t)&spy_watch), known))
-            unknown = name;
-    }
-    if (self) (void)dlclose(self);
-    return unknown;
 }

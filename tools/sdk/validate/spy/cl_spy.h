@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Between a library under test and OpenCL: counts its calls, and makes one of them fail. A program that
- * links spy/cl_spy.c defines clCreateBuffer and so on itself; exported (-rdynamic), these come before those
- * of the OpenCL loader when a plugin is loaded with dlopen. Only calls that return into the watched library
- * count, so those of the program, of the loader and of the driver do not. One thread only.
+ * links spy/cl_spy.c defines clCreateBuffer and so on itself; exported, these come before those of the OpenCL
+ * loader when a plugin is loaded with dlopen. On Windows they are written into the library's import table.
+ * Only calls that return into the watched library count, so those of the program, of the loader and of the
+ * driver do not. One thread only.
  */
 #ifndef SV_CL_SPY_H
 #define SV_CL_SPY_H
@@ -43,10 +44,6 @@ void spy_fail(uint32_t nth, cl_int code);
 /* The same, and all calls after it until the next spy_fail: the device is lost. */
 void spy_lose(uint32_t nth, cl_int code);
 const char *spy_failed(void); /* the first call that was made to fail, or NULL */
-
-/* First OpenCL function that the library imports and the spy does not know, or NULL. `handle` is of
- * dlopen. */
-const char *spy_unknown_import(void *handle);
 
 /* Launches of a kernel with a local size that it had not been launched with before the last spy_reset: PoCL
  * compiles those at launch. */

@@ -5,8 +5,7 @@
 #define CL_TARGET_OPENCL_VERSION 200
 #define CL_USE_DEPRECATED_OPENCL_1_2_APIS
 #include "validate/spy/cl_spy.h"
-
-#include <dlfcn.h>
+#include "validate/spy/library.h"
 
 /* Parameters of these types, named a, b and so on; and the names alone. */
 #define SPY_PARAMETERS1(A)                                A a
@@ -35,7 +34,7 @@
 /* The real function, looked up once. A runtime of an older OpenCL may not have it. */
 #define SPY_REAL(name)                                                                                       \
     static __typeof__(&name) real;                                                                           \
-    if (!real) *(void **)(&real) = dlsym(RTLD_NEXT, #name)
+    if (!real) *(void **)(&real) = library_next(#name)
 #define SPY_ENTER(name, kind)                                                                                \
     SPY_REAL(name);                                                                                          \
     const spy_verdict v = spy_enter(#name, kind, __builtin_return_address(0))

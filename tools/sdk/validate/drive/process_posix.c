@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* What of the process a plugin must leave as it is, looked at before and after every call of it: descriptors
  * with what lies behind them, resource limits, and that there are no child processes. */
+#include "validate/drive/process.h"
+
 #include "validate/drive/drive.h"
 
+#include <dirent.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -87,4 +91,41 @@ const char *v_watch_change(const v_watch *watch) {
     }
     if (waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == 0) return "leaves a child process behind";
     return NULL;
+}
+
+/* ---- */
+/* An OpenCL runtime may have handlers of its own. */
+const char *v_process_handler(library_range library) {
+    static const int watched[] = {SIGINT, SIGTERM, SIGPIPE, SIGCHLD, SIGSEGV, SIGFPE, SIGALRM};
+    static char name[16];
+    for (size_t i = 0; i < sizeof watched / sizeof *watched; i++) {
+        struct sigaction now;
+        (void)sigaction(watched[i], NULL, &now);
+        if (!library_range_holds(library, (const void *)(uintptr_t)now.sa_handler)) continue;
+        (void)snprintf(name, sizeof name, "SIG%s", sigabbrev_np(watched[i]));
+        return name;
+    }
+    return NULL;
+}
+
+static uint32_t entries_of(const char *folder) {
+    uint32_t count = 0;
+    DIR *dir = opendir(folder);
+    if (!dir) return 0;
+    while (readdir(dir)) count++;
+    (void)closedir(dir);
+    return count;
+}
+
+uint32_t v_process_files(void) {
+    return entries_of("/proc/self/fd");
+}
+
+uint32_t v_process_threads(void) {
+    return entries_of("/proc/self/task");
+}
+
+uint64_t v_process_most_files(void) {
+    struct rlimit files;
+    return getrlimit(RLIMIT_NOFILE, &files) == 0 ? files.rlim_cur : UINT64_MAX;
 }
