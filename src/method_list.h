@@ -6,8 +6,7 @@
  * the parameter, self-test, tests and benchmarks go through it. Values 3 to 6 are retired and never used
  * again: they were pushpull, membrane, plate and cost.
  */
-#ifndef SV_METHOD_LIST_H
-#define SV_METHOD_LIST_H
+#pragma once
 
 #define SV_METHODS(X)                                                                                        \
     X(MEAN, 0, mean)                                                                                         \
@@ -19,5 +18,3 @@
 #define SV_METHOD_VALUE(NAME, value, key) SV_METHOD_##NAME = (value),
 enum { SV_METHODS(SV_METHOD_VALUE) SV_METHOD_END };
 #undef SV_METHOD_VALUE
-
-#endif

@@ -4,8 +4,7 @@
  * samples, weights, fixed-point formats, windows. The plugin and the definitions both ask here, so that they
  * cannot disagree. Pure functions, any thread.
  */
-#ifndef SV_QUANTISE_H
-#define SV_QUANTISE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -39,5 +38,3 @@ typedef struct {
 /* The finest format whose sums over a k x k window cannot overflow. */
 sv_fixed sv_fixed_format(uint32_t width, uint32_t height, uint32_t slices, uint32_t k,
                          uint32_t weight_initial);
-
-#endif

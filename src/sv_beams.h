@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a frame tells of the probe and its beams, for methods and their definitions. */
-#ifndef SV_BEAMS_H
-#define SV_BEAMS_H
+#pragma once
 
 #include "smartvis/probe.h"
 
@@ -24,5 +23,3 @@ static inline sv_beams sv_beams_of(const sv_frame *frame) {
     b.kind = sv_probe_beams_of(frame, b.apex_mm, &b.sweep_mm);
     return b;
 }
-
-#endif

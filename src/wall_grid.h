@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The grid along the beams that a frame tells (docs/surface.md), for the definition and for the plugin. */
-#ifndef SV_WALL_GRID_H
-#define SV_WALL_GRID_H
+#pragma once
 
 #include "sv_beams.h"
 #include "wall_layout.h"
@@ -17,5 +16,3 @@ sv_wall_layout sv_wall_grid_layout(const sv_wall_settings *settings);
  * not tell that, or there is only one layer of blocks. */
 bool sv_wall_grid_of(const sv_wall_layout *layout, const double spacing_mm[3], const sv_beams *beams,
                      const sv_wall_settings *settings, sv_wall_grid *grid);
-
-#endif

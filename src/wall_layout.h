@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The settings of the surface told by the wall, and what they become in one volume; for its definition and
  * for the plugin (docs/surface.md). */
-#ifndef SV_WALL_LAYOUT_H
-#define SV_WALL_LAYOUT_H
+#pragma once
 
 #include "wall/wall_shared.h"
 
@@ -102,5 +101,3 @@ sv_wall_taps sv_wall_taps_of(const sv_wall_span *spans, uint32_t x, uint32_t ray
 /* Square roots, ln of odds and the logistic function in fixed-point: the kernels get the same numbers. Signed
  * values in two's complement. */
 void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What command lines share: numbers, error lines, exit codes. */
-#ifndef HS_CLI_H
-#define HS_CLI_H
+#pragma once
 
 #include "base/error.h"
 
@@ -41,5 +40,3 @@ int hs_cli_finish(const char *program, int code);
 
 /* Fails if arguments are left after the options. */
 bool hs_cli_no_more(int argc, char **argv, int next, hs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Errors of the host simulator: the first one is kept, with the file, field and value it is about. */
-#ifndef HS_ERROR_H
-#define HS_ERROR_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -34,6 +33,4 @@ void *hs_memory(size_t count, size_t bytes, const char *what, hs_error *err);
 /* clang's analyser reads one file at a time: this tells it what the comment above promises. */
 #ifdef __clang_analyzer__
 #define hs_fail(...) ((void)hs_fail(__VA_ARGS__), false)
-#endif
-
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens and reads files that somebody else made. */
-#ifndef HS_INPUT_FILE_H
-#define HS_INPUT_FILE_H
+#pragma once
 
 #include "base/error.h"
 
@@ -21,5 +20,3 @@ FILE *hs_input_open_below(const char *header, const char *path, const char *cont
 /* Reads `bytes` bytes from *at on, and moves *at behind what was read. Any number of threads at a time. NULL,
  * or why they cannot be read: the system's reason, or that the file became shorter. */
 const char *hs_input_read_at(FILE *file, uint64_t *at, void *out, size_t bytes);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A command line by one table: what an option is called, what it takes, where that goes, and its help. */
-#ifndef HS_OPTIONS_H
-#define HS_OPTIONS_H
+#pragma once
 
 #include "base/error.h"
 
@@ -53,5 +52,3 @@ bool hs_options_read(int argc, char **argv, const hs_option *known, void *option
 
 /* Prints the options' part of a help text, --help included. */
 void hs_options_print(const hs_option *known);
-
-#endif

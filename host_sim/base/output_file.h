@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A result file that appears whole or not at all: written under a temporary name, then renamed. */
-#ifndef HS_OUTPUT_FILE_H
-#define HS_OUTPUT_FILE_H
+#pragma once
 
 #include "base/error.h"
 
@@ -32,5 +31,3 @@ void hs_output_discard(hs_output_file *output);
 
 /* Finds out now, not after minutes, whether a file can be written. NULL: none is wanted. HS_ERR_OUTPUT. */
 bool hs_output_try(const char *path, hs_error *err);
-
-#endif

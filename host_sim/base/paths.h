@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Paths of files: joined, beside the program, temporary; and folders for them. */
-#ifndef HS_PATHS_H
-#define HS_PATHS_H
+#pragma once
 
 #include "base/error.h"
 
@@ -25,5 +24,3 @@ int hs_path_temporary(const char *stem, const char *ending, char *out, size_t by
 /* Writes "<folder of the running program>/<name>" to out: what was moved together is found together. False if
  * the program cannot be told (no /proc) or the path is longer than `bytes`; out is then "". */
 bool hs_path_beside_program(const char *name, char *out, size_t bytes);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A progress line with an estimate of the time left: on a terminal only, never in a file or a pipe. */
-#ifndef HS_PROGRESS_H
-#define HS_PROGRESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -30,5 +29,3 @@ bool hs_use_colour(int file_descriptor);
 
 /* Seconds of a clock that only runs forward. */
 double hs_now(void);
-
-#endif

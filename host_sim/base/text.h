@@ -3,8 +3,7 @@
  * Text from outside (plugins, scene files, volumes, paths) on its way to a terminal. Control characters would
  * move its cursor, change its title or hide what was written, so they are shown as what they are: \x1b.
  */
-#ifndef HS_TEXT_H
-#define HS_TEXT_H
+#pragma once
 
 #include <stddef.h>
 #include <stdio.h>
@@ -17,5 +16,3 @@ char *hs_text_escape(char *out, size_t bytes, const char *text, int keep_newline
 /* fprintf for lines with text from outside: formats, then escapes all but newlines. For colours of the host's
  * own use fprintf. A line longer than memory allows is left out. */
 void hs_print(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Runs a loop over independent blocks on several threads. */
-#ifndef HS_THREADS_H
-#define HS_THREADS_H
+#pragma once
 
 #include "base/error.h"
 
@@ -24,5 +23,3 @@ bool hs_parallel_try(uint32_t threads, uint32_t blocks, hs_block_try_fn fn, void
 
 /* `wanted`, or the number of processors if it is 0; at most HS_MAX_THREADS. */
 uint32_t hs_thread_count(uint32_t wanted);
-
-#endif

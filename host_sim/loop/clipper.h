@@ -3,8 +3,7 @@
  * The plugin's share of a frame: slabs in, depthmap out. It fails softly: whatever the plugin does, the frame
  * goes on, and the first failure is kept.
  */
-#ifndef HS_CLIPPER_H
-#define HS_CLIPPER_H
+#pragma once
 
 #include "loop/slabs.h"
 #include "plugin/capabilities.h"
@@ -92,5 +91,3 @@ const hs_error *hs_clipper_confidence_error(const hs_clipper *clipper);
 bool hs_clipper_time_stages(const hs_clipper *clipper, bool on);
 /* Its times for the last frame; false if it has none. */
 bool hs_clipper_stage_times(const hs_clipper *clipper, sv_stage_times *times);
-
-#endif

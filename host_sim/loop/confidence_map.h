@@ -5,8 +5,7 @@
  * settled by the same wait. A map that does not come, or holds what is no confidence, costs the picture
  * nothing but the wider window.
  */
-#ifndef HS_CONFIDENCE_MAP_H
-#define HS_CONFIDENCE_MAP_H
+#pragma once
 
 #include "plugin/loader.h"
 #include "render/host_cl.h"
@@ -50,5 +49,3 @@ cl_mem hs_confidence_map_values(const hs_confidence_map *map);
 
 /* The first failure to give a usable confidence; code HS_OK if there was none. Owned by the map. */
 const hs_error *hs_confidence_map_error(const hs_confidence_map *map);
-
-#endif

@@ -6,8 +6,7 @@
  * Memory and OpenCL objects are made by hs_loop_create; a frame allocates nothing, compiles nothing and
  * creates no OpenCL object. All functions of a loop are called from one thread.
  */
-#ifndef HS_LOOP_H
-#define HS_LOOP_H
+#pragma once
 
 #include "loop/loop_options.h"
 #include "loop/screen.h"
@@ -76,5 +75,3 @@ const hs_error *hs_loop_plugin_error(const hs_loop *loop);
 /* The first time the plugin's confidence failed, or was none; the picture is then as if it had none. Not
  * among the plugin's other errors. Code HS_OK if that never was. Owned by the loop. */
 const hs_error *hs_loop_confidence_error(const hs_loop *loop);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a scan loop runs, and how: its settings, its stages, its options, and a frame as numbers. */
-#ifndef HS_LOOP_OPTIONS_H
-#define HS_LOOP_OPTIONS_H
+#pragma once
 
 #include "loop/marks.h"
 #include "plugin/capabilities.h"
@@ -88,5 +87,3 @@ typedef struct {
     sv_stats stats;          /* the plugin's; zeros if it was not asked or failed */
     sv_points_report points; /* smartvis.points/1; size is 0 if the plugin does not have it or failed */
 } hs_frame;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Parts of a run: single stages of a frame, with what they leave read back to the host, and many frames of
  * one setting as medians, percentiles and counts. */
-#ifndef HS_LOOP_RUN_H
-#define HS_LOOP_RUN_H
+#pragma once
 
 #include "base/progress.h"
 #include "loop/loop.h"
@@ -64,5 +63,3 @@ typedef struct {
  * told about every frame. HS_ERR_DEVICE or HS_ERR_MEMORY. */
 bool hs_loop_run(hs_loop *loop, hs_setting setting, hs_progress *progress, hs_loop_result *result,
                  hs_error *err);
-
-#endif

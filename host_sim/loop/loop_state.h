@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a loop is made of: for the sources of this folder that work on it. */
-#ifndef HS_LOOP_STATE_H
-#define HS_LOOP_STATE_H
+#pragma once
 
 #include "loop/clipper.h"
 #include "loop/loop_options.h"
@@ -39,5 +38,3 @@ void hs_loop_note_clip(const hs_clip_outcome *clip, hs_frame *frame);
 /* Where the rays of frame `index` start, for its window: NULL is the full volume, as for `frame` NULL. */
 const hs_start_depths *hs_loop_start(const hs_loop *loop, uint32_t index, const hs_frame *frame,
                                      hs_camera *window, hs_start_depths *out);
-
-#endif

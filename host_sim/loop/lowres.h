@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The grid on which a plugin sees a volume: one for every door, so that all of them get the same bits. */
-#ifndef HS_LOWRES_H
-#define HS_LOWRES_H
+#pragma once
 
 #include "render/camera.h"
 
@@ -14,5 +13,3 @@ uint32_t hs_lowres_across(const hs_volume *volume, uint32_t lowres, double exten
  * volume that would need more pixels than are made unasked. */
 bool hs_lowres_size(const hs_volume *volume, uint32_t lowres, const hs_camera *box, uint32_t size[3],
                     hs_error *err);
-
-#endif

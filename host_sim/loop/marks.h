@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A user's marks, which change the plugin's depthmap: the one definition, for every door of the machine. */
-#ifndef HS_MARKS_H
-#define HS_MARKS_H
+#pragma once
 
 #include "render/camera.h"
 
@@ -39,5 +38,3 @@ void hs_marks_place(const hs_volume *volume, const hs_camera *camera, const doub
  * end, or to the start in it. False: nothing is cut there. Any thread. */
 bool hs_marks_find_cut(hs_mark *mark, const hs_volume *volume, const hs_camera *camera, const uint32_t n[3],
                        const float *depth);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The loop's renderer with the pictures it draws into. */
-#ifndef HS_SCREEN_H
-#define HS_SCREEN_H
+#pragma once
 
 #include "render/dvr.h"
 
@@ -31,5 +30,3 @@ bool hs_screen_read_termination(const hs_screen *screen, float *termination, hs_
 
 /* Steps of a ray that crosses the whole box. */
 uint32_t hs_screen_steps(const hs_screen *screen, const hs_device_volume *volume, const hs_camera *camera);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Files, one after the other, as one sequence of volumes. At most one of them is open at a time, and no
  * volume is kept. */
-#ifndef HS_SEQUENCE_H
-#define HS_SEQUENCE_H
+#pragma once
 
 #include "volume/kretz.h"
 
@@ -47,5 +46,3 @@ const hs_levels *hs_sequence_levels(const hs_sequence *sequence);
 
 /* Closes the file that is open, until the next _read. */
 void hs_sequence_stop_reading(hs_sequence *sequence);
-
-#endif

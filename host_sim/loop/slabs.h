@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A low-resolution volume as slabs, in the carrier in which the plugin gets them. */
-#ifndef HS_SLABS_H
-#define HS_SLABS_H
+#pragma once
 
 #include "plugin/capabilities.h"
 #include "render/scan_convert.h"
@@ -47,5 +46,3 @@ void hs_slabs_describe_format(const hs_slabs *slabs, sv_format *format);
 /* Fills in a frame's scanned ranges, if there are any: in host memory for a plugin that cannot reach the
  * host's context (valid when the queue has run), else in a buffer. Owned by the slabs. */
 void hs_slabs_describe_frame(const hs_slabs *slabs, bool own_queue, sv_frame *frame);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Where the scan loop's volumes come from: files, or a synthetic scene with its ground truth. */
-#ifndef HS_SOURCE_H
-#define HS_SOURCE_H
+#pragma once
 
 #include "loop/sequence.h"
 #include "scene/scene.h"
@@ -83,5 +82,3 @@ const hs_scene_data *hs_source_scene_data(const hs_source *source, uint32_t inde
 /* Gives a source of one file a ground truth of the same size. It is borrowed and must outlive the source.
  * HS_ERR_MEMORY. */
 bool hs_source_set_truth(hs_source *source, const hs_volume *truth, hs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a file may leave out, as options of every command that opens files: --spacing and --probe. */
-#ifndef HS_SOURCE_OPTIONS_H
-#define HS_SOURCE_OPTIONS_H
+#pragma once
 
 #include "base/options.h"
 #include "loop/sequence.h"
@@ -29,5 +28,3 @@ bool hs_source_take_either_spacing(void *files, const char *text, hs_error *err)
              "where the probe is: -z (slice 0), +z, -y, +y, -x or +x; as FILE says, or -z [FILE's]")
 #define HS_SOURCE_ROWS(at)                                                                                   \
     HS_TAKEN("spacing", "X,Y,Z", at, hs_source_take_spacing, HS_SOURCE_SPACING_HELP), HS_SOURCE_PROBE_ROW(at)
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What one frame left, read back to the host: the plugin's maps, a scene's ground truth, and the pictures.
  * Not on the frame path. */
-#ifndef HS_VIEW_H
-#define HS_VIEW_H
+#pragma once
 
 #include "loop/loop.h"
 #include "loop/screen.h"
@@ -90,5 +89,3 @@ void hs_view_free(hs_view *view);
  * a pixel. HS_ERR_DEVICE or HS_ERR_MEMORY. */
 bool hs_loop_turn(hs_loop *loop, uint32_t index, const sv_param_info *primary, double value, uint8_t *rgba,
                   hs_error *err);
-
-#endif

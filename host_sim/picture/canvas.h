@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What draws text and boxes on a picture: cairo, or Windows itself. Colours are 0xRRGGBB, places pixels. */
-#ifndef HS_CANVAS_H
-#define HS_CANVAS_H
+#pragma once
 
 #include "picture/picture.h"
 
@@ -23,5 +22,3 @@ void hs_canvas_text(hs_canvas *on, double x, double y, uint32_t colour, const ch
 /* Frees what is kept for the whole process (fonts), so that a leak checker finds nothing. Once, at the end of
  * the program, when no other thread draws. */
 void hs_picture_finish(void);
-
-#endif

@@ -4,8 +4,7 @@
  * any thread, on different pictures at once. Rows run top to bottom, columns left to right, as the camera
  * sees them.
  */
-#ifndef HS_PICTURE_H
-#define HS_PICTURE_H
+#pragma once
 
 #include "base/error.h"
 
@@ -66,5 +65,3 @@ void hs_picture_blit(hs_picture *picture, int32_t x, int32_t y, uint32_t width, 
 /* A JPEG in memory, which the caller frees: with speckle a sixth of a PNG at quality 88. `quality` is 1 ..
  * 100. On failure *data is NULL, with HS_ERR_MEMORY or HS_ERR_FAILED. Any thread. */
 bool hs_picture_jpeg(const hs_picture *picture, int quality, uint8_t **data, size_t *bytes, hs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Drawing on a picture: text, lines, boxes, colour bars, and pictures side by side with
  * captions. Colours are 0xRRGGBB. */
-#ifndef HS_PICTURE_DRAW_H
-#define HS_PICTURE_DRAW_H
+#pragma once
 
 #include "picture/canvas.h"
 
@@ -56,5 +55,3 @@ typedef struct {
  * hs_picture_init. */
 bool hs_picture_panel(hs_picture *out, const hs_panel_item *items, uint32_t count, uint32_t cell,
                       const hs_caption *caption, hs_error *err);
-
-#endif

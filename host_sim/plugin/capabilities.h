@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a plugin can do: by its descriptor, known before activate compiles anything, and by its extensions. */
-#ifndef HS_CAPABILITIES_H
-#define HS_CAPABILITIES_H
+#pragma once
 
 #include "base/error.h"
 #include "plugin/reason.h"
@@ -66,5 +65,3 @@ bool hs_doubt_words(hs_doubt doubt, char *words, size_t bytes);
  * it is valid, and its memory must stay, until the queue has run. out->size is 0 if the plugin does not tell:
  * the report is for people to read, so a failure costs the frame nothing. */
 void hs_plugin_points(const sv_plugin *instance, sv_points_report *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Loads any SmartVis plugin by path. The host knows it by smartvis_plugin.h only. */
-#ifndef HS_LOADER_H
-#define HS_LOADER_H
+#pragma once
 
 #include "base/error.h"
 #include "smartvis_plugin.h"
@@ -79,5 +78,3 @@ bool hs_plugin_check(const hs_plugin *plugin, sv_status status, const char *call
 
 /* A status's name, e.g. "SV_ERR_SLAB_ORDER"; "unknown status" for others. */
 const char *hs_status_name(sv_status status);
-
-#endif

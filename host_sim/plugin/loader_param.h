@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A plugin's parameters as a command line sees them: found by key, written as key=value. */
-#ifndef HS_LOADER_PARAM_H
-#define HS_LOADER_PARAM_H
+#pragma once
 
 #include "plugin/loader.h"
 
@@ -34,5 +33,3 @@ bool hs_plugin_find_enum(const hs_plugin *plugin, const sv_param_info *info, con
 /* Parses "key=value" (a number, true/false, or an enum's value text) into *out; errors name key, value and
  * the allowed range or names. */
 bool hs_plugin_parse_param(const hs_plugin *plugin, const char *text, sv_param_value *out, hs_error *err);
-
-#endif

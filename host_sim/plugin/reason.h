@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Why a plugin found no surface, or a doubtful one, in words for who holds the probe. */
-#ifndef HS_REASON_H
-#define HS_REASON_H
+#pragma once
 
 #include "smartvis/confidence.h"
 
@@ -11,5 +10,3 @@ enum { HS_REASON_BYTES = 320 };
 
 /* False: the report tells no reason, or one of a later version. */
 bool hs_reason_words(const sv_confidence_report *report, char words[HS_REASON_BYTES]);
-
-#endif

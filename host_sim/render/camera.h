@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The orthographic camera and the box it looks into; depths and pixels in the box, in millimetres. */
-#ifndef HS_CAMERA_H
-#define HS_CAMERA_H
+#pragma once
 
 #include "volume/volume.h"
 
@@ -98,5 +97,3 @@ void hs_camera_mark(const hs_camera *camera, const hs_volume *volume, char *out,
 /* The mark behind a title and a comma; the title alone if there is no mark. */
 void hs_camera_title(const char *title, const hs_camera *camera, const hs_volume *volume, char *out,
                      size_t bytes);
-
-#endif

@@ -3,8 +3,7 @@
  * What is made of a source volume on the device, once per volume: what the thesis' renderer may skip, the
  * halved volume, and what the lit look draws.
  */
-#ifndef HS_DERIVED_VOLUME_H
-#define HS_DERIVED_VOLUME_H
+#pragma once
 
 #include "render/host_cl.h"
 
@@ -85,5 +84,3 @@ bool hs_derived_bricks(hs_derived *derived, cl_mem voxels, hs_brick_view *view, 
 bool hs_derived_halved(hs_derived *derived, cl_mem voxels, hs_halved_view *view, hs_error *err);
 bool hs_derived_lit(hs_derived *derived, cl_mem voxels, float threshold_low, float threshold_high,
                     hs_lit_view *view, hs_error *err);
-
-#endif

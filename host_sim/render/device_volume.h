@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A source volume on the device, ready to be sampled by scan conversion and renderer. */
-#ifndef HS_DEVICE_VOLUME_H
-#define HS_DEVICE_VOLUME_H
+#pragma once
 
 #include "render/derived_volume.h"
 #include "render/host_cl.h"
@@ -61,5 +60,3 @@ bool hs_device_volume_bricks(const hs_device_volume *dv, hs_brick_view *view, hs
 bool hs_device_volume_halved(const hs_device_volume *dv, hs_halved_view *view, hs_error *err);
 bool hs_device_volume_lit(const hs_device_volume *dv, float threshold_low, float threshold_high,
                           hs_lit_view *view, hs_error *err);
-
-#endif

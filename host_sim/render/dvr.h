@@ -39,8 +39,7 @@
  * Its far end stays at d_p - s + w, so no sample is fainter than without the map: where nothing is sure less
  * is clipped, and what lies behind the window is drawn as ever. A hard cut (w = 0) stays one.
  */
-#ifndef HS_DVR_H
-#define HS_DVR_H
+#pragma once
 
 #include "render/dvr_settings.h"
 #include "render/scan_convert.h"
@@ -67,5 +66,3 @@ bool hs_dvr_prepare(hs_dvr *dvr, const hs_device_volume *source, hs_error *err);
 bool hs_dvr_render(hs_dvr *dvr, const hs_device_volume *source, const hs_camera *camera,
                    const hs_start_depths *depths, cl_mem rgba, cl_mem termination, cl_event *event,
                    hs_error *err);
-
-#endif

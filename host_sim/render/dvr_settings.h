@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* How the renderer draws, and where its rays start. */
-#ifndef HS_DVR_SETTINGS_H
-#define HS_DVR_SETTINGS_H
+#pragma once
 
 #include "render/host_cl.h"
 
@@ -60,5 +59,3 @@ typedef struct {
 
 /* HS_ERR_USAGE or HS_ERR_DEVICE if a size or a buffer cannot be right; NULL is. */
 bool hs_dvr_check_start(const hs_start_depths *depths, hs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The host's OpenCL device, context and in-order queue, shared by scan conversion, renderer and plugin. */
-#ifndef HS_HOST_CL_H
-#define HS_HOST_CL_H
+#pragma once
 
 #include "base/error.h"
 
@@ -86,5 +85,3 @@ bool hs_launch_rows(const hs_launch *launch, cl_int4 dims, hs_error *err);
 
 /* hs_launch_rows with, on a CPU, one work item a slice. */
 bool hs_launch_slices(const hs_launch *launch, cl_int4 dims, hs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Scan conversion: source volume and camera -> low-resolution camera-aligned slabs (spec 5). */
-#ifndef HS_SCAN_CONVERT_H
-#define HS_SCAN_CONVERT_H
+#pragma once
 
 #include "render/camera.h"
 #include "render/device_volume.h"
@@ -88,5 +87,3 @@ void hs_scanned_rays_destroy(hs_scanned_rays *rays);
 bool hs_scanned_rays_find(const hs_scanned_rays *rays, const hs_slab_layout *layout,
                           const hs_device_volume *source, const hs_camera *camera, cl_mem slabs,
                           size_t stride, hs_error *err);
-
-#endif

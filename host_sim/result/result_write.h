@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a run found, as files that other programs open: docs/results.md. */
-#ifndef HS_RESULT_WRITE_H
-#define HS_RESULT_WRITE_H
+#pragma once
 
 #include "loop/loop.h"
 #include "loop/source.h"
@@ -112,5 +111,3 @@ typedef struct {
  * or has another size; HS_ERR_OUTPUT, HS_ERR_MEMORY. */
 bool hs_result_compare(const char *folder, const char *reference, uint32_t width, uint32_t height,
                        double tolerance, hs_result_difference *out, hs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Synthetic scenes with a ground truth that is exact by construction (spec 6). docs/scenes.md has the file
  * format. */
-#ifndef HS_SCENE_H
-#define HS_SCENE_H
+#pragma once
 
 #include "volume/volume.h"
 
@@ -99,5 +98,3 @@ typedef struct {
 /* One frame of a scene with its truth. On failure *out is zeroed. Same arguments, same bytes. */
 bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_scene_data *out,
                     hs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Random scenes by seed and number, and what they are drawn from. */
-#ifndef HS_SCENE_DRAW_H
-#define HS_SCENE_DRAW_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -107,5 +106,3 @@ bool hs_scene_drawn_name(const char *name, hs_scene_drawn *scene);
 /* The scene's file, drawn from hs_scene_ranges with whole numbers only: the same text on every machine.
  * free() it; NULL without memory. */
 char *hs_scene_draw(const hs_scene_drawn *scene);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene as files: MetaImage volumes and maps, or what a probe would have scanned as Kretz files (.vol). */
-#ifndef HS_SCENE_EXPORT_H
-#define HS_SCENE_EXPORT_H
+#pragma once
 
 #include "scene/scene.h"
 #include "volume/kretz.h"
@@ -26,5 +25,3 @@ bool hs_vol_export_frame(hs_vol_export *out, const char *prefix, uint32_t frames
 
 /* Gives files under way up. Safe on a zeroed struct. */
 void hs_vol_export_discard(hs_vol_export *out);
-
-#endif

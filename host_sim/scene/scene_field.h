@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The voxels of a scene while it is made, from what each one is to its grey value, and the steps that make
  * it. */
-#ifndef HS_SCENE_FIELD_H
-#define HS_SCENE_FIELD_H
+#pragma once
 
 #include "scene/scene.h"
 #include "scene/scene_solid.h"
@@ -142,5 +141,3 @@ bool hs_scene_real_lead(hs_volume *given, double share, hs_error *err);
 void hs_scene_real_place(hs_field *field, const hs_volume *given);
 /* Given volume and occluders in one, in the field's grey values. */
 void hs_scene_real_combine(hs_field *field, const hs_volume *given);
-
-#endif

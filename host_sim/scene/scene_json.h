@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Typed fields of a JSON object; every error names file and field. */
-#ifndef HS_SCENE_JSON_H
-#define HS_SCENE_JSON_H
+#pragma once
 
 #include "base/error.h"
 #include "scene/scene_spec.h"
@@ -85,5 +84,3 @@ bool hs_json_type(const hs_json *object, hs_json *type, const char **name);
  * field. */
 bool hs_scene_read_artefacts(const hs_json *array, hs_scene_spec *spec);
 bool hs_scene_read_structures(const hs_json *array, hs_scene_spec *spec);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Counter-based random numbers: a value depends on its key and its counter only, so any thread may draw any
  * of them in any order (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011). */
-#ifndef HS_SCENE_RANDOM_H
-#define HS_SCENE_RANDOM_H
+#pragma once
 
 #include <stdint.h>
 
@@ -30,5 +29,3 @@ static inline uint64_t hs_random_key(uint64_t seed, uint64_t stream) {
 static inline float hs_random_unit(uint64_t key, uint64_t i) {
     return (float)(hs_random_bits(key, i) >> 40) * 0x1p-24f;
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Solids as signed distances, from which the voxels of a scene are made, and what they make together. All
  * lengths in millimetres of the scene, negative inside. */
-#ifndef HS_SCENE_SOLID_H
-#define HS_SCENE_SOLID_H
+#pragma once
 
 #include "scene/scene_spec.h"
 
@@ -196,5 +195,3 @@ static inline float hs_shape_sac_distance(const hs_solid *solid, const hs_sac_sp
               sinf(k * (0.7f * p[2] + 0.5f * p[0] - 0.3f * p[1]) + 2.1f);
     return d + sac->roughness_mm * s * (1.0f / 3.0f);
 }
-
-#endif

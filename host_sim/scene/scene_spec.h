@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene as its file describes it. Lengths in mm of the scene's box, angles in degrees, levels in dB. */
-#ifndef HS_SCENE_SPEC_H
-#define HS_SCENE_SPEC_H
+#pragma once
 
 #include "base/error.h"
 
@@ -249,5 +248,3 @@ bool hs_scene_place(hs_scene_spec *spec, hs_error *err);
 
 /* Moves the scene to where it stands at `frame`. */
 void hs_scene_move(hs_scene_spec *spec, uint32_t frame);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A volume in the geometry of the beams that scanned it: radius, angle in the plane, angle of the sweep. */
-#ifndef HS_BEAMS_H
-#define HS_BEAMS_H
+#pragma once
 
 #include "base/error.h"
 
@@ -69,5 +68,3 @@ bool hs_beams_locate_in_plane(const hs_beams *beams, double x, double depth, dou
 
 /* Linear between the eight samples around an index from hs_beams_locate, 0 .. 255. */
 double hs_beams_sample(const hs_beams *beams, const double index[3]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A box within a volume: what lies outside of it counts as not scanned. */
-#ifndef HS_CROP_H
-#define HS_CROP_H
+#pragma once
 
 #include "volume/volume.h"
 
@@ -21,5 +20,3 @@ bool hs_crop_meets(const hs_crop *crop, const double a[3], const double b[3]);
 
 /* Zeroes those of a byte a voxel whose centre lies outside. */
 void hs_crop_apply(const hs_crop *crop, const hs_volume *volume, uint8_t *bytes);
-
-#endif

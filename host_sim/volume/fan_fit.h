@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* How the beams ran that scanned a volume, found in the outline of what was scanned. */
-#ifndef HS_FAN_FIT_H
-#define HS_FAN_FIT_H
+#pragma once
 
 #include "volume/volume.h"
 
@@ -31,5 +30,3 @@ void hs_course_words(const hs_volume *volume, char *out, size_t bytes);
 /* What to ask of a person who may know more: "The scan narrows towards -y: is the probe there? --probe -y";
  * "" if nothing. At most 160 bytes. */
 void hs_course_question(const hs_volume *volume, char *out, size_t bytes);
-
-#endif

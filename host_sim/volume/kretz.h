@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads and writes GE Kretz volumes (.vol): single ones and sequences, in probe geometry or Cartesian. Reads
  * them out of DICOM files, too. docs/kretz.md. */
-#ifndef HS_KRETZ_H
-#define HS_KRETZ_H
+#pragma once
 
 #include "base/output_file.h"
 #include "volume/metaimage.h"
@@ -76,5 +75,3 @@ void hs_kretz_write_discard(hs_kretz_writer *writer);
  * failure it is zeroed. HS_ERR_INPUT, also for a sequence of several volumes, or HS_ERR_MEMORY. Any thread.
  */
 bool hs_volume_file_read(const char *path, hs_volume *out, hs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The parts of the Kretz reader: the items of a KRETZFILE 1.0 stream, and what they say of its grey volume,
  * checked. */
-#ifndef HS_KRETZ_PARTS_H
-#define HS_KRETZ_PARTS_H
+#pragma once
 
 #include "volume/beams.h"
 
@@ -78,5 +77,3 @@ bool hs_kretz_header_read(hs_kretz_items *items, hs_kretz_header *header, hs_err
 
 /* Frees the tables. Safe on a zeroed struct. */
 void hs_kretz_header_free(hs_kretz_header *header);
-
-#endif

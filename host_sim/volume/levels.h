@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* From numbers to grey levels, and what of them was scanned: for files, and for memory of others. */
-#ifndef HS_LEVELS_H
-#define HS_LEVELS_H
+#pragma once
 
 #include "volume/volume.h"
 
@@ -54,5 +53,3 @@ enum { HS_CORNERS = 8, HS_CORNERS_ENOUGH = 4 };
  */
 bool hs_levels_find_outside(hs_levels *levels, const uint32_t size[3], bool zero, hs_values_fn read,
                             void *context, hs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads volumes from MetaImage files (.mhd with a data file, .mha). docs/metaimage.md states the mapping. */
-#ifndef HS_METAIMAGE_H
-#define HS_METAIMAGE_H
+#pragma once
 
 #include "volume/levels.h"
 #include "volume/volume.h"
@@ -134,5 +133,3 @@ float *hs_metaimage_load_map(const char *path, uint32_t nx, uint32_t ny, hs_erro
  */
 double *hs_scanned_maps_load(const hs_volume *shape, const char *first, const char *end, hs_error *err);
 void hs_scanned_maps_mark(hs_volume *volume, const double *maps);
-
-#endif

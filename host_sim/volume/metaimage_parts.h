@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The parts of the MetaImage reader, also for what copies or measures files: text, header, data, voxels. */
-#ifndef HS_METAIMAGE_PARTS_H
-#define HS_METAIMAGE_PARTS_H
+#pragma once
 
 #include "volume/metaimage.h"
 
@@ -166,5 +165,3 @@ uint32_t hs_met_voxels_threads(const hs_met_voxels *voxels);
 
 /* Succeeds if nothing follows the last voxel. What compressed data has before it is inflated for that. */
 bool hs_met_voxels_finish(hs_met_voxels *voxels, hs_error *err);
-
-#endif

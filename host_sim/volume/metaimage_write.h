@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes MetaImage files, whole or piece by piece: volumes, sequences of volumes. docs/metaimage.md
  * states the mapping. */
-#ifndef HS_METAIMAGE_WRITE_H
-#define HS_METAIMAGE_WRITE_H
+#pragma once
 
 #include "volume/metaimage.h"
 
@@ -38,5 +37,3 @@ void hs_metaimage_stream_discard(hs_metaimage_stream *stream);
 
 /* Writes all elements, `data`, in one go: the same file, errors and rules. */
 bool hs_metaimage_write(const char *path, const hs_metaimage_format *format, const void *data, hs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A source volume as the host keeps it: 8-bit voxels on a regular grid, x fastest, then y, then z, and how it
  * lies in the patient. */
-#ifndef HS_VOLUME_H
-#define HS_VOLUME_H
+#pragma once
 
 #include "base/error.h"
 #include "volume/beams.h"
@@ -168,5 +167,3 @@ void hs_raise_zeros(uint8_t *voxels, size_t count);
 
 /* Raises every zero of the volume to 1: all of it was scanned. */
 void hs_volume_mark_all_scanned(hs_volume *volume);
-
-#endif

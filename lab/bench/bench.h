@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the parts of the benchmark share: machine, times, two threads, slabs. */
-#ifndef BENCH_H
-#define BENCH_H
+#pragma once
 
 #include "base/error.h"
 #include "guarded/guard_options.h"
@@ -84,5 +83,3 @@ enum { BENCH_FLUID_LEVEL = 40 };
  * that 3 % of the rays meet; a few rays meet bone in the wall, before any fluid. All layers have noise. The
  * caller frees them; NULL with HS_ERR_MEMORY. */
 uint8_t *bench_volume_make(uint32_t n, hs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What sv_bench measures, part by part, and how it is told. */
-#ifndef BENCH_RESULTS_H
-#define BENCH_RESULTS_H
+#pragma once
 
 #include "base/progress.h"
 #include "bench/bench.h"
@@ -111,5 +110,3 @@ void bench_print_method(const bench_report *report, const char *method);
 void bench_print_plugin_head(uint32_t n, uint32_t k);
 void bench_print_plugin(const bench_plugin_result *result);
 void bench_print_stages(const bench_plugin_result *results, uint32_t count);
-
-#endif

@@ -3,8 +3,7 @@
  * The yardsticks: what a careful C programmer gets from two threads and the compiler's vectoriser, -O3
  * -march=native, without intrinsics. For the benchmark only; it shares no code with the plugin.
  */
-#ifndef PLAIN_H
-#define PLAIN_H
+#pragma once
 
 #include "bench/bench.h"
 
@@ -82,5 +81,3 @@ void plain_frame_destroy(plain_frame *frame);
  * bytes, SV_POINT_*. HS_ERR_MEMORY. */
 bool plain_frame_run(plain_frame *frame, const plain_volume *volume, float *depth, uint8_t *status,
                      double *ms, hs_error *err);
-
-#endif

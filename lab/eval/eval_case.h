@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* One case of the evaluation: a volume with its ground truth, a plugin on it, the table of its rays and what
  * is measured of a depthmap. */
-#ifndef HS_EVAL_CASE_H
-#define HS_EVAL_CASE_H
+#pragma once
 
 #include "loop/loop.h"
 #include "loop/source.h"
@@ -208,5 +207,3 @@ bool hs_eval_case_direct(hs_eval_case *c, const hs_eval_values *values, hs_measu
  * `repeats` frames, 1 .. 15. */
 bool hs_eval_case_time(hs_eval_case *c, const hs_eval_values *values, uint32_t repeats, double *ms,
                        hs_error *err);
-
-#endif

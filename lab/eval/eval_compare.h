@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Several plugins or settings on the same volumes: ranked, with the difference per case and its spread. */
-#ifndef HS_EVAL_COMPARE_H
-#define HS_EVAL_COMPARE_H
+#pragma once
 
 #include "eval/eval_case.h"
 #include "eval/eval_study.h"
@@ -74,5 +73,3 @@ typedef struct {
 } hs_eval_difference;
 hs_eval_difference hs_eval_compare_case(const hs_eval_comparison *x, uint32_t method, uint32_t against,
                                         uint32_t index);
-
-#endif

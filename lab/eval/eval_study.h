@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A plugin over all cases: as it is, and its parameter space: what is run and what is best. */
-#ifndef HS_EVAL_STUDY_H
-#define HS_EVAL_STUDY_H
+#pragma once
 
 #include "base/progress.h"
 #include "eval/eval_case.h"
@@ -238,5 +237,3 @@ bool hs_eval_study_values(const hs_eval_study *study, hs_eval_setting setting, h
  * settings with `values`, pictures of 512 x 512. The case must be released (hs_eval_case_release). */
 bool hs_eval_speed_settings(hs_eval_study *study, uint32_t index, const hs_eval_case *c,
                             const hs_eval_values *values, hs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What judges surfaces: cases with their truth, scores, sites, a plugin at work on them. */
-#ifndef JUDGE_H
-#define JUDGE_H
+#pragma once
 
 #include "eval/eval_case.h"
 #include "plugin/loader.h"
@@ -364,5 +363,3 @@ typedef struct {
 
 /* The definition of wall on every case, with what it knows of it. */
 bool judge_wall(judge_request *request, hs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* One self-contained HTML page: pictures inlined, no network, readable on a phone; no script but the
  * slider's. */
-#ifndef HS_PAGE_HTML_H
-#define HS_PAGE_HTML_H
+#pragma once
 
 #include "base/output_file.h"
 
@@ -86,5 +85,3 @@ void hs_page_folded(hs_page *page, const char *summary, const char *text);
 
 /* Ends the page. HS_ERR_OUTPUT or HS_ERR_INPUT (a picture that cannot be read): then there is no page. */
 bool hs_page_close(hs_page *page, hs_error *err);
-
-#endif

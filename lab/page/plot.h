@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Figures as inline SVG: axes with units, a legend, a title that a screen reader says. Texts are escaped.
  * Without a stream nothing is written. */
-#ifndef HS_PLOT_H
-#define HS_PLOT_H
+#pragma once
 
 #include <stdint.h>
 #include <stdio.h>
@@ -27,5 +26,3 @@ typedef struct {
     const double *value;      /* value[group * series + i], >= 0 */
 } hs_plot_bars;
 void hs_plot_bars_write(FILE *out, const hs_plot_bars *plot);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the report is made of: its commands, the results on the disk, tables, pictures and pages. */
-#ifndef HS_REPORT_H
-#define HS_REPORT_H
+#pragma once
 
 #include "base/error.h"
 #include "base/progress.h"
@@ -194,5 +193,3 @@ typedef struct {
 
 /* Fills the open page. `out` is the folder that holds those of the cases. Errors are kept in the page. */
 void hs_demo_page(hs_page *page, const char *out, const hs_demo_case *cases, uint32_t count);
-
-#endif

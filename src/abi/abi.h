@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The parts of the ABI's edge: the parameters and the extensions. What every plugin does there does
  * smartvis/author.h for this one, too. */
-#ifndef SV_ABI_H
-#define SV_ABI_H
+#pragma once
 
 #include "device/diag.h"
 #include "method/values.h"
@@ -26,5 +25,3 @@ extern const char *const sv_extension_ids[];
 
 /* The const table of an extension, or NULL for an unknown id. */
 const void *sv_extension(const sva *author, const char *id);
-
-#endif

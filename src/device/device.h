@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Which OpenCL device: the host's, or one that the plugin opens itself. */
-#ifndef SV_DEVICE_H
-#define SV_DEVICE_H
+#pragma once
 
 #include "device/diag.h"
 
@@ -31,5 +30,3 @@ sv_status sv_device_open(sv_diag *diag, cl_context context, cl_device_id device,
 
 /* Releases what sv_device_open made; leaves a host's objects alone. Safe on a zeroed struct. */
 void sv_device_close(sv_device *device);
-
-#endif

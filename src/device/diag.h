@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Failures: the reason of the last one, kept for last_error and told to the host's log (sva_error, sva_blame,
  * sva_say, sva_cl_check). */
-#ifndef SV_DIAG_H
-#define SV_DIAG_H
+#pragma once
 
 #include <CL/cl.h>
 
@@ -10,5 +9,3 @@
 
 /* Who is told: the plugin's instance. Below the ABI's edge no more of it is used. */
 typedef sva sv_diag;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Builds the embedded kernels for one structure (-D options) and holds the kernel objects. One
  * set per instance. */
-#ifndef SV_PROGRAM_H
-#define SV_PROGRAM_H
+#pragma once
 
 #include "device/device.h"
 
@@ -80,5 +79,3 @@ sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_stru
 
 /* Safe on a zeroed struct. */
 void sv_program_release(sv_program *program);
-
-#endif

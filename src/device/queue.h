@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The queue, buffers on the device, and launches of kernels. */
-#ifndef SV_QUEUE_H
-#define SV_QUEUE_H
+#pragma once
 
 #include "common/sv_shared.h"
 #include "device/device.h"
@@ -78,5 +77,3 @@ sv_status sv_launch_grid(sv_launch *launch, size_t items_x, size_t items_y, sv_s
 
 /* Launches one work item per vector of SV_LANES pixels of a padded row. */
 sv_status sv_launch_vectors(sv_launch *launch, uint32_t padded_width, uint32_t height, sv_stage stage);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Where a frame's time went: the event of every command, by stage (extension smartvis.stats/1). */
-#ifndef SV_TIMING_H
-#define SV_TIMING_H
+#pragma once
 
 #include "device/diag.h"
 #include "smartvis/timing.h"
@@ -43,5 +42,3 @@ cl_event *sv_timing_slot(sv_timing *timing, sv_stage stage);
 
 /* Sums the stages of the last frame. */
 sv_status sv_timing_read(const sv_timing *timing, sv_diag *diag, sv_stage_times *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What activate makes. The ABI's states and values are smartvis/author.h's. */
-#ifndef SV_INSTANCE_H
-#define SV_INSTANCE_H
+#pragma once
 
 #include "frame/pipeline.h"
 #include "smartvis/needs.h"
@@ -31,5 +30,3 @@ void sv_instance_deactivate(sv_instance *instance);
  * check_process: then SV_ERR_STATE with what to do. */
 bool sv_instance_is_forked(const sv_instance *instance);
 sv_status sv_instance_check_process(const sv_instance *instance);
-
-#endif

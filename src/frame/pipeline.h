@@ -3,8 +3,7 @@
  * The stages of a frame and the buffers between them: profile (per slab), threshold and reconstruct (end of
  * the frame). After creation nothing here allocates, compiles or waits; commands are enqueued in order.
  */
-#ifndef SV_PIPELINE_H
-#define SV_PIPELINE_H
+#pragma once
 
 #include "method/chain.h"
 #include "smartvis/points.h"
@@ -92,5 +91,3 @@ sv_status sv_pipeline_read_points(sv_pipeline *pipeline, sv_points_report *out);
  * `object` from byte `offset` on. Waits only if `wait` is set. */
 sv_status sv_pipeline_confidence(sv_pipeline *pipeline, float *map, cl_mem object, uint64_t offset,
                                  bool wait);
-
-#endif

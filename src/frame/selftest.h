@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A known answer, computed on the device by the very kernels a frame uses, and compared with src/ref/. */
-#ifndef SV_SELFTEST_H
-#define SV_SELFTEST_H
+#pragma once
 
 #include "frame/pipeline.h"
 
@@ -23,5 +22,3 @@ sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *
  */
 sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_program *narrow,
                              const sv_program *wide, const sv_config *config, const sv_values *defaults);
-
-#endif

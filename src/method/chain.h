@@ -4,8 +4,7 @@
  *
  *     ray states -> chain_gather -> points -> [minimum filter] -> points -> method -> surfaces -> S(q)
  */
-#ifndef SV_CHAIN_H
-#define SV_CHAIN_H
+#pragma once
 
 #include "method/method.h"
 
@@ -39,5 +38,3 @@ void sv_chain_destroy(sv_chain *chain);
 /* Enqueues everything from the points to the surfaces. `state16`: ray states. `q` counts if the chain
  * is not linear. */
 sv_status sv_chain_run(sv_chain *chain, cl_mem state16, float q);
-
-#endif

@@ -12,8 +12,7 @@
  * The rules of the frame path hold: `run` and `slabs` only enqueue, a bounded number of commands; what they
  * need, `buffers` makes. A method sees its map and nothing else of the frame.
  */
-#ifndef SV_METHOD_H
-#define SV_METHOD_H
+#pragma once
 
 #include "common/sv_shared.h"
 #include "device/program.h"
@@ -247,5 +246,3 @@ sv_launch sv_slabs_launch(const sv_map *map, cl_kernel kernel, const char *name,
 
 /* The minimum filter on plane 0 of the map's points, which keeps the initial points only; the pre-filter. */
 sv_status sv_minimum_prefilter(const sv_map *map, sv_method_state *state, uint32_t k, uint32_t passes);
-
-#endif

@@ -4,8 +4,7 @@
  * rays, for CPUs; and items, a work item a ray, a block, a cell or a pixel, for GPUs (docs/architecture.md).
  * A layout says which kernels there are, what each is launched over, and with which of the method's buffers.
  */
-#ifndef SV_METHOD_WALL_H
-#define SV_METHOD_WALL_H
+#pragma once
 
 #include "method/method.h"
 #include "wall/wall_shared.h"
@@ -118,5 +117,3 @@ extern const sv_wall_work sv_wall_rows, sv_wall_items;
 extern const char *const sv_wall_rows_kernels[], *const sv_wall_items_kernels[];
 sv_source sv_wall_rows_source(void);
 sv_source sv_wall_items_source(void);
-
-#endif

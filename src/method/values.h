@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The values of a frame's parameters, by their ids; abi/params.c describes and checks them. */
-#ifndef SV_VALUES_H
-#define SV_VALUES_H
+#pragma once
 
 #include "method_list.h"
 
@@ -52,5 +51,3 @@ enum { SV_PREFILTER_NONE = 0, SV_PREFILTER_MINIMUM = 1 };
 typedef struct {
     double of[SV_PARAM_ID_END];
 } sv_values;
-
-#endif

@@ -3,8 +3,7 @@
  * The door of the definitions' shared library, libsmartvis_definitions.so: plain arrays and numbers, for
  * callers in other languages. C callers use the headers of the definitions themselves.
  */
-#ifndef SV_DEFINITIONS_H
-#define SV_DEFINITIONS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -21,5 +20,3 @@
 SV_DEFINITION bool sv_define_surface(const char *method, const uint8_t *status, const double *depth,
                                      uint32_t width, uint32_t height, uint32_t kernel, uint32_t merge_grid,
                                      double *surface);
-
-#endif

@@ -3,8 +3,7 @@
  * The definition of every method, and of the pre-filter before it. Tests and benchmark hold the kernels to
  * it, and the plugin's self-test asks the device for an answer computed here.
  */
-#ifndef SV_REF_CHAIN_H
-#define SV_REF_CHAIN_H
+#pragma once
 
 #include "ref/ref_method.h"
 
@@ -22,5 +21,3 @@ double sv_ref_bound(const sv_ref_method *method, const sv_ref_task *task, const 
 
 /* The whole chain: pre-filter and method. */
 bool sv_ref_chain(const sv_ref_method *method, const sv_ref_task *task, double *surface);
-
-#endif

@@ -4,8 +4,7 @@
  * point), a depth per pixel (read at initial points only) and give a surface. None needs OpenCL, none is
  * fast; without an initial point the surface is 0. They return false if memory runs out.
  */
-#ifndef SV_REF_MAP_H
-#define SV_REF_MAP_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -22,5 +21,3 @@ typedef struct {
     uint32_t passes;   /* iterations done */
     uint32_t unfilled; /* pixels still without a value; they are 0 in the result */
 } sv_ref_fill;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The mean filter (spec 4; thesis Eq. 3.18-3.21, Algorithm 4.3): its definition in float64, and the filter as
  * the kernels compute it. */
-#ifndef SV_REF_MEAN_H
-#define SV_REF_MEAN_H
+#pragma once
 
 #include "quantise.h"
 #include "ref/ref_map.h"
@@ -23,5 +22,3 @@ bool sv_ref_mean(const uint8_t *status, const double *depth, uint32_t width, uin
 bool sv_ref_mean_fixed(const uint8_t *status, const uint32_t *near_position, const uint32_t *far_position,
                        uint32_t width, uint32_t height, uint32_t k, double omega, uint32_t substeps,
                        sv_fixed format, float *near_surface, float *far_surface, sv_ref_fill *fill);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The scalar definition of a method behind one signature. */
-#ifndef SV_REF_METHOD_H
-#define SV_REF_METHOD_H
+#pragma once
 
 #include "method_list.h"
 #include "ref/ref_map.h"
@@ -47,5 +46,3 @@ typedef struct {
 #define SV_REF_METHOD_TABLE(NAME, value, key) extern const sv_ref_method sv_ref_method_##key;
 SV_METHODS(SV_REF_METHOD_TABLE)
 #undef SV_REF_METHOD_TABLE
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* From rays to initial points (spec 3; thesis Algorithm 4.1). */
-#ifndef SV_REF_POINTS_H
-#define SV_REF_POINTS_H
+#pragma once
 
 #include "ref/ref_volume.h"
 
@@ -53,5 +52,3 @@ uint32_t sv_ref_points(const sv_ref_ray *rays, size_t count, const sv_ref_bone *
 
 /* The knob (spec 4): S(q) = S_f + q (S_n - S_f), in float32. */
 void sv_ref_blend(const float *near_surface, const float *far_surface, size_t count, float q, float *depth);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The thin-plate spline (thesis Eq. 3.2 to 3.15). */
-#ifndef SV_REF_SPLINE_H
-#define SV_REF_SPLINE_H
+#pragma once
 
 #include "ref/ref_method.h"
 
@@ -45,5 +44,3 @@ void sv_ref_spline_free(sv_ref_spline *spline);
 /* Algorithm 4.2: the means of the initial points in every cell of a grid x grid raster; 0: the points as they
  * are. x, y, z: room for width * height. Returns the number of points. */
 uint32_t sv_ref_merge(const sv_ref_map *map, uint32_t grid, double *x, double *y, double *z);
-
-#endif

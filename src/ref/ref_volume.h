@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#ifndef SV_REF_VOLUME_H
-#define SV_REF_VOLUME_H
+#pragma once
 
 #include "sv_beams.h"
 
@@ -39,5 +38,3 @@ typedef struct {
     double spacing_mm[3];
     const sv_beams *beams; /* that the volume was scanned with; NULL: not known */
 } sv_wall_volume;
-
-#endif

@@ -5,8 +5,7 @@
  * OpenCL, and nothing is fast. All but the evidence tables, the mean of the layers, the interpolation and the
  * confidence is integer arithmetic, so kernels can follow it bit for bit.
  */
-#ifndef REF_WALL_H
-#define REF_WALL_H
+#pragma once
 
 #include "ref/ref_method.h"
 #include "wall_layout.h"
@@ -40,5 +39,3 @@ bool sv_wall_surface(const sv_wall_volume *volume, const sv_wall_settings *setti
 bool sv_wall_surface_padded(const sv_ref_volume *volume, const double spacing_mm[3], const sv_beams *beams,
                             const sv_wall_settings *settings, float *depth, float *confidence,
                             sv_wall_outcome *outcome, sv_wall_facts *facts);
-
-#endif

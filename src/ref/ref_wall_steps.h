@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The steps of the surface told by the wall, in their order (docs/surface.md). Each has what it needs from
  * those before it. Functions that allocate return false or NULL if memory runs out. */
-#ifndef REF_WALL_STEPS_H
-#define REF_WALL_STEPS_H
+#pragma once
 
 #include "ref/ref_volume.h"
 #include "wall_layout.h"
@@ -172,5 +171,3 @@ uint32_t sv_wall_gap_limit(const sv_wall_layout *layout);
 /* What the gaps tell of the surface after layout->last: SURFACE, DOUBTFUL, NO_FLUID or
  * OPEN. */
 sv_wall_outcome sv_wall_verdict(const sv_wall_layout *layout, const sv_wall_gaps *gaps);
-
-#endif

@@ -4,12 +4,9 @@
  * at once, kernels do nothing, and the self-test passes. So an input costs microseconds, and the address
  * sanitizer sees every byte that the plugin lets OpenCL touch, and every object that it forgets.
  */
-#ifndef SV_FAKE_CL_H
-#define SV_FAKE_CL_H
+#pragma once
 
 #include <stdint.h>
 
 /* The nth call from now on (1, 2, ...) that makes something or enqueues fails, once; 0: none. */
 void fake_cl_fail(uint32_t nth);
-
-#endif

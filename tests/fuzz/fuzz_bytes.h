@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* An input taken piece by piece; behind its end everything is 0. */
-#ifndef SV_FUZZ_BYTES_H
-#define SV_FUZZ_BYTES_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -52,5 +51,3 @@ static inline void fuzz_words(fuzz_bytes *b, void *object, size_t size, unsigned
         memcpy((uint8_t *)object + place * sizeof value, &value, sizeof value);
     }
 }
-
-#endif

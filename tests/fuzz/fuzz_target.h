@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What libFuzzer calls, and replay.c where there is no libFuzzer. */
-#ifndef SV_FUZZ_TARGET_H
-#define SV_FUZZ_TARGET_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -15,5 +14,3 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
         if (!(condition)) fuzz_broken(__FILE__, __LINE__, #condition);                                       \
     } while (0)
 void fuzz_broken(const char *file, int line, const char *condition);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Bytes as a file that is in memory only, so that readers of files can be fuzzed as they are. */
-#ifndef SV_MEMORY_FILE_H
-#define SV_MEMORY_FILE_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -14,5 +13,3 @@ typedef struct {
 /* The file holds `size` bytes and is read by its path. Ends the process if there is no memory. */
 void memory_file_open(memory_file *m, const uint8_t *data, size_t size);
 void memory_file_close(memory_file *m);
-
-#endif

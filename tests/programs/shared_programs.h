@@ -11,8 +11,7 @@
  * A program that is not linked with it can be started with it in LD_PRELOAD, and SV_SHARE_PROGRAMS set: then
  * the first context that builds a program is shared as long as the process lives.
  */
-#ifndef SV_SHARED_PROGRAMS_H
-#define SV_SHARED_PROGRAMS_H
+#pragma once
 
 #include <CL/cl.h>
 
@@ -25,5 +24,3 @@ void shared_programs_end(cl_context context);
 /* From now on every program is compiled with these options, too, and such programs are not shared; NULL: no
  * longer. The text must stay. For kernels that do not build, or compute wrongly. */
 void shared_programs_options(const char *options);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* One frame of the plugin held against the scalar definition: maps bit for bit,
  * statistics number for number. */
-#ifndef SV_COMPARE_H
-#define SV_COMPARE_H
+#pragma once
 
 #include "support/rig.h"
 
@@ -26,5 +25,3 @@ void compare_run(rig *r, const rig_format *f, const uint8_t *volume, const rig_s
                  const char *where);
 
 compare_summary compare_print(const char *what);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the tests of the renderer share: volumes, views, a picture by the kernels, and its comparison. */
-#ifndef DVR_FIXTURE_H
-#define DVR_FIXTURE_H
+#pragma once
 
 #include "render/dvr.h"
 #include "support/host_fixture.h"
@@ -59,5 +58,3 @@ void dvr_check_case(const hs_cl *cl, size_t scene, size_t view, float doubt, boo
 
 /* Fails if they differ in a bit. */
 void dvr_assert_same(const dvr_picture *a, const dvr_picture *b, size_t pixels, size_t scene, size_t view);
-
-#endif

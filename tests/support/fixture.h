@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* An instance with a small volume at hand, for tests of the calls themselves: contract and faults. */
-#ifndef SV_FIXTURE_H
-#define SV_FIXTURE_H
+#pragma once
 
 #include "support/rig.h"
 
@@ -42,5 +41,3 @@ void fixture_works(fixture *f);
 
 /* `status` is `expected`, and last_error and the host's log both hold `text` (a field and its value). */
 void fixture_refused(fixture *f, sv_status status, sv_status expected, const char *text);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the tests of scan conversion and renderer share: a device, random volumes, buffers with guards. */
-#ifndef HOST_FIXTURE_H
-#define HOST_FIXTURE_H
+#pragma once
 
 #include "render/camera.h"
 #include "render/host_cl.h"
@@ -66,5 +65,3 @@ int test_close_device(void **state);
         return UNIT_RUN("packets", test_open_device, test_close_device, __VA_ARGS__) +                       \
                UNIT_RUN("single items", test_open_single, test_close_device, __VA_ARGS__);                   \
     }
-
-#endif

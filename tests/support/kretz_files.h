@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes KRETZFILE files item by item, without the writer under test. */
-#ifndef KRETZ_FILES_H
-#define KRETZ_FILES_H
+#pragma once
 
 #include "support/metaimage_files.h"
 #include "volume/kretz.h"
@@ -48,5 +47,3 @@ hs_volume kretz_volume(const char *name, const hs_kretz_options *options);
 
 /* Opens it and expects HS_ERR_INPUT with the file's name and `told` in the message. */
 void kretz_refused(const char *name, const char *told);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The checking layer around a plugin, and a host that plays what a test tells it. */
-#ifndef LAYER_FIXTURE_H
-#define LAYER_FIXTURE_H
+#pragma once
 
 #include "render/host_cl.h"
 #include "smartvis_plugin.h"
@@ -58,5 +57,3 @@ void layer_start(layer_subject *s, uint32_t count);
 
 /* What a host does that is right: frames, an adjust, a confidence, parameters. */
 void layer_use(layer_subject *s);
-
-#endif

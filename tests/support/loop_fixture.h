@@ -7,8 +7,7 @@
  * opacity is 1, so a ray ends in the first sample of tissue. The low-resolution volume has 16^3 voxels of 3
  * slices: depth d of the map lies at step 3 (d + 0.5) - 0.5.
  */
-#ifndef LOOP_FIXTURE_H
-#define LOOP_FIXTURE_H
+#pragma once
 
 #include "loop/loop_run.h"
 #include "loop/view.h"
@@ -67,5 +66,3 @@ float end_of_ray(double d);
 
 /* The picture's red for a ray that ends in voxel `end`. */
 uint8_t red_at(float end, const hs_dvr_settings *dvr);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A folder for the files of a test, and MetaImage files in it, byte by byte and without the code under test.
  */
-#ifndef METAIMAGE_FILES_H
-#define METAIMAGE_FILES_H
+#pragma once
 
 #include "support/unit.h"
 #include "volume/metaimage.h"
@@ -36,5 +35,3 @@ hs_volume files_read(const char *name, const hs_metaimage_options *opt);
 
 /* Reads and expects HS_ERR_INPUT with the file's name and `told` (NULL for nothing more) in the message. */
 void files_refused(const char *name, const char *told);
-
-#endif

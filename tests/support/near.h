@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Numbers that are nearly what a definition says; a failure names what was looked at. Behind cmocka's
  * includes. */
-#ifndef NEAR_H
-#define NEAR_H
+#pragma once
 
 #include <math.h>
 
@@ -13,5 +12,3 @@
         if (!(fabs(found_ - expected_) <= (tolerance)))                                                      \
             fail_msg("%s is %.9g, expected %s = %.9g", #found, found_, #expected, expected_);                \
     } while (0)
-
-#endif

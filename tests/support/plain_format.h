@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#ifndef PLAIN_FORMAT_H
-#define PLAIN_FORMAT_H
+#pragma once
 
 #include "smartvis_plugin.h"
 
@@ -19,5 +18,3 @@ static inline sv_format plain_format(uint32_t width, uint32_t height, uint32_t s
                        .tile_h = height,
                        .row_pitch = tiles_x * width};
 }
-
-#endif

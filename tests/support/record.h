@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What the recording plugin (contract/plugins/recorder.c) saw of its last frame: its extension
  * "test.record/1". */
-#ifndef RECORD_H
-#define RECORD_H
+#pragma once
 
 #include "smartvis_plugin.h"
 
@@ -17,5 +16,3 @@ typedef struct {
     sv_frame frame;   /* the same */
     sv_scanned scanned[RECORD_RAYS];
 } record;
-
-#endif

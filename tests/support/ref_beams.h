@@ -3,8 +3,7 @@
  * Probe geometry in scalar double precision, written from docs/kretz.md. It shares nothing with the host's
  * conversion but the struct that holds the tables.
  */
-#ifndef REF_BEAMS_H
-#define REF_BEAMS_H
+#pragma once
 
 #include "render/scan_convert.h"
 #include "volume/beams.h"
@@ -33,5 +32,3 @@ typedef struct {
 ref_beams_voxel ref_beams_convert(const hs_volume *volume, const hs_camera *camera,
                                   const hs_slab_layout *layout, const int grid[3], uint32_t x, uint32_t y,
                                   uint32_t z);
-
-#endif

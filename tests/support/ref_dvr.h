@@ -4,8 +4,7 @@
  * one sample after the other, no skipping. Written from the definition; it shares nothing with
  * the kernels but the settings.
  */
-#ifndef REF_DVR_H
-#define REF_DVR_H
+#pragma once
 
 #include "render/dvr.h"
 
@@ -50,5 +49,3 @@ bool ref_inside(const hs_volume *volume, const double position[3], double *margi
  */
 ref_pixel ref_dvr_pixel(const hs_volume *volume, const hs_camera *camera, const hs_dvr_settings *s,
                         const ref_depthmap *map, uint32_t x, uint32_t y);
-
-#endif

@@ -3,8 +3,7 @@
  * Scan conversion's definition (host_sim/render/scan_convert.h) in scalar double precision, one voxel at a
  * time. It shares ref_position and ref_trilinear with the renderer's reference, nothing with the kernels.
  */
-#ifndef REF_SCAN_CONVERT_H
-#define REF_SCAN_CONVERT_H
+#pragma once
 
 #include "render/scan_convert.h"
 
@@ -25,5 +24,3 @@ ref_way ref_grid(const hs_volume *volume, const hs_camera *camera, const hs_slab
 /* Voxel (x, y, z) of the low-resolution volume. */
 ref_lowres ref_convert_voxel(const hs_volume *volume, const hs_camera *camera, const hs_slab_layout *layout,
                              uint32_t x, uint32_t y, uint32_t z);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Written results as another program finds them: MetaImage and PLY files read byte by byte, without the code
  * under test, and places in the patient from what stands in them. */
-#ifndef RESULT_FILES_H
-#define RESULT_FILES_H
+#pragma once
 
 #include "support/metaimage_files.h"
 
@@ -33,5 +32,3 @@ typedef struct {
     int32_t (*face)[3];
 } result_mesh;
 void result_mesh_open(result_mesh *mesh, const char *path);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What the tests of written results share: a source that lies askew in the patient, is longer in one
  * direction than in another and holds 16 bits, a plugin whose depthmap is a plane, and a folder. */
-#ifndef RESULT_FIXTURE_H
-#define RESULT_FIXTURE_H
+#pragma once
 
 #include "result/result_write.h"
 #include "support/loop_fixture.h"
@@ -44,5 +43,3 @@ hs_loop *result_loop(const result_fixture *f, const char *const *paths, uint32_t
 hs_result_report result_write(const result_fixture *f, const char *const *paths, uint32_t count,
                               const hs_metaimage_options *read, const hs_loop_options *options,
                               uint32_t what);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A plugin under test, driven through the ABI alone: any format, carrier and split into slabs. */
-#ifndef SV_RIG_H
-#define SV_RIG_H
+#pragma once
 
 #include "plugin/capabilities.h"
 #include "ref/ref_mean.h"
@@ -141,5 +140,3 @@ double rig_param_default(const rig *r, const char *key);
 
 /* The value of an enum parameter by its name. Fails the test program if there is none. */
 double rig_enum(const rig *r, const char *key, const char *name);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the scene tests share: a spec with nothing in it, and a field of one's own tissues. */
-#ifndef SCENE_FIXTURE_H
-#define SCENE_FIXTURE_H
+#pragma once
 
 #include "scene/scene.h"
 #include "scene/scene_field.h"
@@ -48,5 +47,3 @@ hs_scene_data make_scene(const char *name, uint32_t size, uint32_t threads, uint
 
 /* The same of an open one, which is closed. */
 hs_scene_data scene_frame(hs_scene *scene, const hs_scene_options *options);
-
-#endif

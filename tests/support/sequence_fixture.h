@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the tests of sequences in the scan loop share. Volume n of a sequence has one level all over. */
-#ifndef SEQUENCE_FIXTURE_H
-#define SEQUENCE_FIXTURE_H
+#pragma once
 
 #include "support/loop_fixture.h"
 
@@ -39,5 +38,3 @@ void expect_failure(const hs_source *source, const uint8_t *levels, uint32_t ind
 /* Runs the loop a round and five frames more over the source, in the setting "smartvis" without a failure;
  * then every sixth volume's picture must show `levels` of it and nothing brighter. */
 void expect_every_frame_shows_its_volume(const fixture *f, const hs_source *source, const uint8_t *levels);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Reconstruction methods under test: point sets as volumes, frames with a method, and what the definition
  * says. */
-#ifndef SV_SURFACES_H
-#define SV_SURFACES_H
+#pragma once
 
 #include "smartvis/spline.h"
 #include "support/rig.h"
@@ -73,5 +72,3 @@ void surface_check_points(const rig_result *out, const surface_points *points, i
 
 /* The method's own bound, on a device with float64 unless the chain says float32. */
 double surface_bound(const surface_chain *chain, const surface_points *points);
-
-#endif

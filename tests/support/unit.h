@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cmocka behind the headers that it wants, and those of C that nearly every test uses. */
-#ifndef UNIT_H
-#define UNIT_H
+#pragma once
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -82,5 +81,3 @@ int unit_run(const char *group, CMFixtureFunction set_up, CMFixtureFunction tear
             }                                                                                                \
         return cmocka_run_group_tests_name(__FILE__, tests, set_up, tear_down);                              \
     }
-
-#endif

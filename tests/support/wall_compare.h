@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Method wall beside its definition: one frame of a volume, in both layouts of the work, at several positions
  * of the knob. */
-#ifndef WALL_COMPARE_H
-#define WALL_COMPARE_H
+#pragma once
 
 #include "ref/ref_wall.h"
 #include "support/rig.h"
@@ -25,5 +24,3 @@ bool wall_compare(rig *r, const wall_shape *s, const uint8_t *volume, const char
  * ends: thin tissue, narrow fluid, rays that begin in fluid. */
 uint8_t *wall_layered_noise(uint32_t width, uint32_t height, uint32_t slices, uint32_t longest,
                             uint32_t patch_side, uint32_t seed);
-
-#endif

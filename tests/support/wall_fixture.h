@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Scans for the tests of the surface told by the wall: a wall, fluid, and a fetus with bright bone in a cube
  * of 120 mm. */
-#ifndef WALL_FIXTURE_H
-#define WALL_FIXTURE_H
+#pragma once
 
 #include "ref/ref_wall.h"
 #include "support/unit.h"
@@ -102,5 +101,3 @@ static inline uint32_t skin(uint32_t x, uint32_t y) {
     while (z < N && fetus_level(x, y, z, GAP) <= 0.0) z++;
     return z;
 }
-
-#endif

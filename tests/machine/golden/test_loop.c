@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The scan loop: pictures and depths that can be computed by hand, and frames that create nothing. */
+/* The scan loop: pictures and depths that can be computed by hand. (Frames that create nothing:
+ * test_loop_memory.) */
 #include "show/loop_pictures.h"
 #include "support/loop_fixture.h"
-#include "validate/spy/cl_spy.h"
 
 #include <math.h>
 
@@ -171,30 +171,6 @@ static void a_doubtful_surface_is_called_so(void **state) {
 
 /* ------------------------------------------------------------------------------ the loop -- */
 
-static uint32_t creations(void) {
-    return spy_count(SPY_CREATE) + spy_count(SPY_BUILD);
-}
-
-static void frames_create_and_compile_nothing(void **state) {
-    const fixture *f = *state;
-    spy_watch("a text of this program, which has the host in it");
-    const sv_param_value value = {.id = DEPTH, .value = 5};
-    for (uint32_t carrier = SV_CARRIER_HOST; carrier <= SV_CARRIER_IMAGE; carrier++) {
-        hs_loop_options o = options_with(&value, 1);
-        o.carrier = carrier;
-        o.live = true;
-        if (carrier != SV_CARRIER_HOST) hs_loop_for_pictures(&o, HS_LOOK_LIT);
-        hs_loop *loop = make_loop(f, &o);
-        assert_true(creations() > 0); /* the spy is in place: making the loop went through it */
-        for (int s = 0; s < HS_SETTING_COUNT; s++) {
-            const uint32_t before = creations();
-            hs_loop_result result;
-            must(hs_loop_run(loop, (hs_setting)s, NULL, &result, &err));
-            assert_int_equal(creations(), before);
-        }
-    }
-}
-
 static void results_add_up(void **state) {
     const fixture *f = *state;
     const sv_param_value value = {.id = DEPTH, .value = 5};
@@ -292,6 +268,6 @@ static void the_ground_truth_is_rendered_with_the_same_camera(void **state) {
 UNIT_MAIN(set_up, tear_down, the_format_covers_the_volume, a_pixel_is_a_millimetre_where_the_source_allows_it,
           a_flat_plane_clips_where_it_lies, every_carrier_and_queue_gives_the_picture_of_a_tilted_plane,
           a_partial_map_clips_where_it_has_a_surface, a_doubtful_surface_is_called_so,
-          a_note_of_begin_changes_nothing, frames_create_and_compile_nothing, results_add_up,
-          a_sequence_shows_its_volumes_in_turn, a_live_scan_is_uploaded_anew,
-          an_orbit_keeps_one_box_and_lies_around_its_yaw, the_ground_truth_is_rendered_with_the_same_camera)
+          a_note_of_begin_changes_nothing, results_add_up, a_sequence_shows_its_volumes_in_turn,
+          a_live_scan_is_uploaded_anew, an_orbit_keeps_one_box_and_lies_around_its_yaw,
+          the_ground_truth_is_rendered_with_the_same_camera)

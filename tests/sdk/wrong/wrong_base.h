@@ -7,8 +7,7 @@
  * On every ray the base takes the first edge from fluid to tissue. It takes ranges and padding, can adjust,
  * and has a parameter of every type.
  */
-#ifndef WRONG_BASE_H
-#define WRONG_BASE_H
+#pragma once
 
 #include "smartvis/author.h"
 #include "smartvis/confidence.h"
@@ -123,5 +122,3 @@ static inline void wrong_hang(void) {
     SV_EXPORT const sv_entry                                                                                 \
         smartvis_plugin_entry = {SV_ABI_MAJOR,           SV_ABI_MINOR,      (uint32_t)sizeof(sv_entry), 1,   \
                                  wrong_entry_descriptor, wrong_entry_create}
-
-#endif

@@ -8,8 +8,7 @@
  * One line an entry: CMake and the tests' scripts read this file, too.
  */
 /* clang-format off */
-#ifndef WRONG_LIST_H
-#define WRONG_LIST_H
+#pragma once
 #define WRONG_LIST(WRONG) \
     WRONG(crash_in_constructor, library, library-loads, "the library crashes while it is loaded") \
     WRONG(hang_in_constructor, library, library-loads, "the library never finishes loading") \
@@ -179,4 +178,3 @@
     WRONG(carriers_differ, opencl, carriers, "a volume in buffers gives another map than in memory") \
     WRONG(needs_nothing, opencl, needs, "smartvis.needs/1 tells zeros for all that is taken") \
     WRONG(takes_foreign_objects, opencl, foreign-objects, "begin takes ranges in a buffer of another context")
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The options that say how pictures look, as tables of hs_option take them: --look and --light. */
-#ifndef HS_LOOK_LINE_H
-#define HS_LOOK_LINE_H
+#pragma once
 
 #include "render/dvr_settings.h"
 
@@ -10,5 +9,3 @@ bool hs_look_line_look(void *look, const char *text, hs_error *err);
 
 /* "AZ,EL" in degrees, -180 .. 180 and -90 .. 90, into two floats. HS_ERR_USAGE. */
 bool hs_look_line_light(void *light, const char *text, hs_error *err);
-
-#endif

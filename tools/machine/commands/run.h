@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* One run of the simulator from request to pictures: what `run` does once, and `demo` for every scene. */
-#ifndef HS_RUN_H
-#define HS_RUN_H
+#pragma once
 
 #include "guarded/guarded.h"
 #include "loop/loop_run.h"
@@ -96,5 +95,3 @@ void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes);
 
 /* Share of voxels of a volume that were not scanned, 0 .. 1. */
 double hs_unscanned_share(const hs_volume *volume);
-
-#endif

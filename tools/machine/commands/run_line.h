@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The command line of `host_sim run`. */
-#ifndef HS_RUN_LINE_H
-#define HS_RUN_LINE_H
+#pragma once
 
 #include "commands/run.h"
 
@@ -26,5 +25,3 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err);
 
 /* Prints all options and the exit codes. */
 void hs_run_line_help(void);
-
-#endif

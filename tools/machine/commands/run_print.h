@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A run's results as text. */
-#ifndef HS_RUN_PRINT_H
-#define HS_RUN_PRINT_H
+#pragma once
 
 #include "commands/run.h"
 
@@ -9,5 +8,3 @@
 
 /* The facts and the table of times, shares and statistics, as in the thesis' Figure 5.21 and Table 5.4. */
 void hs_run_print(const hs_run *run, FILE *out);
-
-#endif

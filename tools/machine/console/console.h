@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The console: what a page wants to see, what it is told, and who draws for it. */
-#ifndef HS_CONSOLE_H
-#define HS_CONSOLE_H
+#pragma once
 
 #include "base/error.h"
 #include "console/served_files.h"
@@ -418,5 +417,3 @@ void hs_console_server_close(hs_console_server *server);
 
 /* argv[0] is the command's own name. Returns the exit code (hs_code, base/error.h). */
 int hs_cmd_console(int argc, char **argv);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The volumes that a page may open: those in the folders of the command line, and those that are dropped on
  * it. */
-#ifndef HS_SERVED_FILES_H
-#define HS_SERVED_FILES_H
+#pragma once
 
 #include "base/error.h"
 
@@ -60,5 +59,3 @@ typedef int (*hs_console_receive)(void *connection, void *out, size_t bytes);
 bool hs_console_drop_take(const hs_console_files *files, const char *given, uint64_t bytes,
                           hs_console_receive receive, void *connection, char name[HS_CONSOLE_PATH],
                           hs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The scan loop's pictures in one folder (thesis, Figure 4.2). */
-#ifndef HS_LOOP_PICTURES_H
-#define HS_LOOP_PICTURES_H
+#pragma once
 
 #include "loop/loop.h"
 #include "loop/view.h"
@@ -25,5 +24,3 @@ bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err
 /* What a person must know of a frame beside its picture: that it is not clipped and why (`failure`, what the
  * plugin failed with), or how many rays are not. NULL if there is nothing to say, else `out`. */
 const char *hs_frame_note(const hs_frame *frame, const char *failure, char *out, size_t bytes);
-
-#endif

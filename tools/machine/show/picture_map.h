@@ -4,8 +4,7 @@
  * row-major, rows top to bottom, as the camera sees them. Every function allocates *out (hs_picture_free it);
  * on failure it is zeroed. Any thread, on different pictures at once.
  */
-#ifndef HS_PICTURE_MAP_H
-#define HS_PICTURE_MAP_H
+#pragma once
 
 #include "picture/picture_draw.h"
 
@@ -41,5 +40,3 @@ typedef struct {
  * mean stands in the legend. */
 bool hs_picture_share(hs_picture *out, const float *value, uint32_t width, uint32_t height,
                       const hs_share_words *words, const hs_caption *caption, hs_error *err);
-
-#endif

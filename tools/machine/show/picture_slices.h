@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Slices through a frame's volume with the clipping surface drawn in, beside its rendering. */
-#ifndef HS_PICTURE_SLICES_H
-#define HS_PICTURE_SLICES_H
+#pragma once
 
 #include "loop/view.h"
 #include "picture/picture_draw.h"
@@ -41,5 +40,3 @@ bool hs_picture_slices(hs_picture *out, const hs_view *view, uint32_t cell, cons
 /* The median depth of the clipping surface in millimetres from the front of the box, over the rays it clips;
  * negative if it clips none. */
 double hs_view_clip_depth(const hs_view *view);
-
-#endif

@@ -11,8 +11,7 @@
  *   layer_watch   samples of voxels and ranges, before the plugin sees them and when the frame has run
  *   layer_results maps, status maps and statistics
  */
-#ifndef LAYER_H
-#define LAYER_H
+#pragma once
 
 #include "base/system.h"
 #include "record/rec.h"
@@ -181,5 +180,3 @@ void ly_watch_after(ly_instance *i, const rc_call *c);
 
 /* Judges what the queue has brought. `wait`: waits for it. */
 void ly_watch_harvest(ly_instance *i, bool wait);
-
-#endif

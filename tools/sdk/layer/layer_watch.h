@@ -8,8 +8,7 @@
  * plugin's, into a buffer of the layer's, and what they bring is judged at a later call. A few frames may be
  * under way; of one that finds no free slot nothing is judged.
  */
-#ifndef LAYER_WATCH_H
-#define LAYER_WATCH_H
+#pragma once
 
 #include "layer/layer.h"
 
@@ -90,5 +89,3 @@ void ly_results_after(ly_instance *i, const rc_call *c);
 
 /* What is in the slot's block. */
 void ly_results_judge(ly_instance *i, const ly_slot *s);
-
-#endif

@@ -4,8 +4,7 @@
  * Needs libc, OpenCL for slabs and maps that lie in objects, and zlib. Nothing here depends on a host of our
  * own.
  */
-#ifndef REC_H
-#define REC_H
+#pragma once
 
 #include "rules/call.h"
 
@@ -48,5 +47,3 @@ const char *rec_why(const rec *r);
 
 /* Ends the file as a whole one. NULL is fine. */
 void rec_close(rec *r);
-
-#endif

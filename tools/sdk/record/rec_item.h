@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The parts of a recording, and their one description, by which they are written and read
  * (docs/recording.md). */
-#ifndef REC_ITEM_H
-#define REC_ITEM_H
+#pragma once
 
 #include "rules/call.h"
 
@@ -103,5 +102,3 @@ rec_reader *rec_reader_open(const char *path, char *error, size_t bytes);
  * as it should, -1: it is cut off or damaged, and `error` says where. */
 int rec_reader_next(rec_reader *r, rec_item *item, char *error, size_t bytes);
 void rec_reader_close(rec_reader *r);
-
-#endif

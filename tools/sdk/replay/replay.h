@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Plays a recording (tools/sdk/record/) into a plugin, and tells where the two part. */
-#ifndef REPLAY_H
-#define REPLAY_H
+#pragma once
 
 #include "guarded/guarded.h"
 #include "record/rec.h"
@@ -117,5 +116,3 @@ bool rp_show(const char *file, const char *folder, hs_error *err);
 
 /* Draws the frame into the folder as host_sim draws its own (hs_loop_write_pictures). */
 bool rp_draw(const rp_options *o, const rp_report *report, hs_error *err);
-
-#endif

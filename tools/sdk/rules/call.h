@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* One call that passes between host and plugin: what the checking layer sees, and what a recording keeps. */
-#ifndef CALL_H
-#define CALL_H
+#pragma once
 
 #include "smartvis_plugin.h"
 
@@ -34,5 +33,3 @@ typedef struct {
     uint64_t took_ns;  /* by the plugin alone; 0 before the call */
     bool sound;        /* nothing was found wrong: with its state, and with sizes, shapes and objects */
 } rc_call;
-
-#endif

@@ -4,8 +4,7 @@
  * what lies before them. sv_validate tries a plugin by them; the checking layer (tools/sdk/layer/) watches
  * plugin and host of a real machine by them.
  */
-#ifndef RULES_H
-#define RULES_H
+#pragma once
 
 #include "smartvis_plugin.h"
 
@@ -338,5 +337,3 @@ void judge_outcome(const rule_sink *to, const rule_map *map, const char *what);
 void judge_statistics(const rule_sink *to, const rule_map *map);
 void judge_confidence(const rule_sink *to, const float *map, uint32_t width, uint32_t height,
                       const char *what);
-
-#endif

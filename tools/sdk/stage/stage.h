@@ -3,8 +3,7 @@
  * A small C host: what it has ready for frames of one format, which are slabs cut from a volume, scanned
  * ranges, and memory for results with guard bands around it and between its rows; and the calls of a frame.
  */
-#ifndef STAGE_H
-#define STAGE_H
+#pragma once
 
 #include "smartvis/needs.h"
 #include "smartvis_plugin.h"
@@ -99,5 +98,3 @@ sv_status stage_run(const stage *st, const sv_plugin *p, const sv_param_value *v
 
 /* What smartvis.needs/1 asks of a device. */
 sv_needs_device stage_facts(cl_device_id device);
-
-#endif
