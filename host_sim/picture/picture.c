@@ -70,13 +70,10 @@ bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err)
     size_t bytes;
     hs_output_file out;
     if (!hs_picture_png(picture, &data, &bytes, err)) return false;
-    bool ok = hs_output_open(&out, path, err);
-    if (ok) {
-        ok = hs_output_write(&out, data, bytes, err) && hs_output_commit(&out, err);
-        hs_output_discard(&out);
-    }
+    const bool ok = hs_output_open(&out, path, err);
+    if (ok) (void)fwrite(data, 1, bytes, out.file);
     free(data);
-    return ok;
+    return ok && hs_output_commit(&out, err); /* fails if the writing did */
 }
 
 static bool read_png(hs_picture *out, FILE *file, png_image *image, const char *path, hs_error *err) {

@@ -234,10 +234,7 @@ bool hs_result_write_surface(const char *path, const hs_maps *maps, const hs_vol
     }
     if (ok) {
         ok = write_head(&s, &out, err) && write_vertices(&s, &out, err) && write_faces(&s, &out, err);
-        if (ok)
-            ok = hs_output_commit(&out, err);
-        else
-            hs_output_discard(&out);
+        ok = hs_output_commit(&out, err) && ok;
     }
     *size = s.size;
     free(s.usable);
