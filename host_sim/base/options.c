@@ -82,3 +82,10 @@ void hs_options_print(const hs_option *known) {
     }
     printf("  --help                this text\n");
 }
+
+int hs_options_help(const char *usage, const hs_option *known, const char *more) {
+    printf("%s", usage);
+    hs_options_print(known);
+    printf("\n%s%s", more, hs_exit_codes_help);
+    return HS_OK;
+}

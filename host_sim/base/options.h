@@ -52,3 +52,6 @@ bool hs_options_read(int argc, char **argv, const hs_option *known, void *option
 
 /* Prints the options' part of a help text, --help included. */
 void hs_options_print(const hs_option *known);
+
+/* The whole of a help text: usage, options, more, the exit codes, all of whole lines. Returns HS_OK. */
+int hs_options_help(const char *usage, const hs_option *known, const char *more);

@@ -139,8 +139,7 @@ static bool find_rays(hs_eval_table *t, const hs_loop *loop, const hs_volume *fu
     list_rays(t);
     return t->count > 0 ||
            hs_fail(err, HS_ERR_INPUT,
-                   "%s: its label map has no ray of the sac or the fetus: there is nothing to "
-                   "evaluate",
+                   "%s: its label map has no ray of the sac or the fetus: there is nothing to evaluate",
                    full->name);
 }
 

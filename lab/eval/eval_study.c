@@ -27,8 +27,7 @@ const hs_eval_thesis_stage hs_eval_thesis_stages[5] = {{"setup", 4.223},
                                                        {"total", 46.329}};
 
 const char hs_eval_thesis_note[] =
-    "The thesis' numbers stand here to be looked at, not to be beaten: its nine cases are real scans "
-    "with "
+    "The thesis' numbers stand here to be looked at, not to be beaten: its nine cases are real scans with "
     "ground truths that were segmented by hand, ours are synthetic scenes that reproduce what it says of "
     "them; its depthmap has 512 x 512 pixels, so a kernel of 55 there spans what about 14 span on a map of "
     "128; its step and opacity window are not given, and its frame rates are those of another machine.";

@@ -321,8 +321,7 @@ bool site_harm(const site_list *list, const char *const *volumes, uint32_t count
                hs_error *err) {
     team t;
     printf("Do no harm: cut and left in %%, error in slices of 128. No fetus: nothing can be cut, and all "
-           "that counts "
-           "is\nrefused or a low confidence\n");
+           "that counts is\nrefused or a low confidence\n");
     if (!open_team(&t, methods, err)) return false;
     bool ok = true;
     for (uint32_t i = 0; ok && i < list->count; i++) ok = print_variants(&t, &list->set[i], err);

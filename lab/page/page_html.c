@@ -33,8 +33,7 @@ static const char head[] =
     ".row.wide figure{flex-basis:36rem;max-width:none}\n"
     "dl{display:flex;flex-wrap:wrap;gap:.5rem 2rem;margin:1rem 0}dl div{display:flex;"
     "flex-direction:column-reverse}\n"
-    "dt{color:var(--quiet);font-size:.9rem}dd{margin:0;font-size:1.6rem;font-weight:600;"
-    "line-height:1.2}\n"
+    "dt{color:var(--quiet);font-size:.9rem}dd{margin:0;font-size:1.6rem;font-weight:600;line-height:1.2}\n"
     "table{border-collapse:collapse;margin:1rem 0}\n"
     "th,td{padding:.3rem .55rem;text-align:right;border-bottom:1px solid var(--line);"
     "white-space:nowrap;font-variant-numeric:tabular-nums}\n"
@@ -53,11 +52,9 @@ static const char head[] =
     "content:attr(data-head) ' ';font-weight:400;color:var(--quiet)}th,td{white-space:normal}}\n"
     "@media screen and (max-width:30rem){.plot text{font-size:19px}.plot .title text{font-size:15px}.plot "
     ".odd{display:none}}\n"
-    "@media print{:root{color-scheme:light}table{font-size:.65rem}th,td{padding:.2rem "
-    ".3rem}nav,.slider "
+    "@media print{:root{color-scheme:light}table{font-size:.65rem}th,td{padding:.2rem .3rem}nav,.slider "
     "input{display:none}h2,h3,figure,svg,tr{break-inside:avoid;"
-    "break-after:auto}h2,h3{break-after:avoid}.row.wide figure{"
-    "flex-basis:60%}pre{font-size:.6rem}"
+    "break-after:auto}h2,h3{break-after:avoid}.row.wide figure{flex-basis:60%}pre{font-size:.6rem}"
     "details::details-content{content-visibility:visible;height:auto}}\n"
     "</style>\n<title>";
 

@@ -9,7 +9,7 @@
 #include "base/system.h"
 #include "base/text.h"
 #include "commands/look_line.h"
-#include "commands/run_print.h"
+#include "commands/run.h"
 #include "guarded/guard_options.h"
 #include "loop/clipper.h"
 #include "loop/view.h"
@@ -122,12 +122,10 @@ static char *printed(const hs_run *run) {
 static const char *about(const hs_demo_case *c, const hs_run *run) {
     if (c->file[0] && c->scene)
         return "The same volume, moved back, behind a synthetic wall of placenta with a fold, a cord and a "
-               "cloud "
-               "of particles. The volume itself is the ground truth.";
+               "cloud of particles. The volume itself is the ground truth.";
     if (c->file[0])
         return "A volume from a file, without a ground truth. Where no fluid lies before a structure there "
-               "is "
-               "nothing to remove, and a good result cuts nothing away there.";
+               "is nothing to remove, and a good result cuts nothing away there.";
     return run->source.title;
 }
 
@@ -298,14 +296,10 @@ static bool parse(int argc, char **argv, demo *d, hs_error *err) {
            (d->help || hs_cli_no_more(argc, argv, next, err));
 }
 
-static void print_help(void) {
-    (void)printf("Usage: host_sim demo [options]\n"
-                 "Runs the scan loop in its three settings on a few scenes, and writes pictures and one "
-                 "page, index.html. For research, not a medical device.\n"
-                 "\n");
-    hs_options_print(options);
-    (void)printf("\n%s", hs_exit_codes_help);
-}
+static const char usage[] =
+    "Usage: host_sim demo [options]\n"
+    "Runs the scan loop in its three settings on a few scenes, and writes pictures and one "
+    "page, index.html. For research, not a medical device.\n\n";
 
 int hs_cmd_demo(int argc, char **argv) {
     hs_error err = {0};
@@ -320,7 +314,7 @@ int hs_cmd_demo(int argc, char **argv) {
     if (!parse(argc, argv, d, &err))
         code = hs_cli_fail("demo", &err);
     else if (d->help)
-        print_help();
+        (void)hs_options_help(usage, options, "");
     else if (!run_demo(d, &err))
         code = hs_cli_fail("demo", &err);
     else

@@ -32,16 +32,12 @@ static const hs_option options[] = {
     HS_OPTIONS_END,
 };
 
-static void print_help(void) {
-    printf("Usage: host_sim measure [options] MAP...\n"
-           "Measures depthmaps that were made elsewhere, as 'report' measures a plugin's, and prints JSON.\n"
-           "MAP is a MetaImage file of as many values as the map has pixels: depths in slices of the\n"
-           "low-resolution volume (the mm of run --write depthmap by its third ElementSpacing), 0 or less\n"
-           "clips nothing. '-' is the map that clips nothing at all.\n"
-           "\n");
-    hs_options_print(options);
-    printf("\n%s", hs_exit_codes_help);
-}
+static const char usage[] =
+    "Usage: host_sim measure [options] MAP...\n"
+    "Measures depthmaps that were made elsewhere, as 'report' measures a plugin's, and prints JSON.\n"
+    "MAP is a MetaImage file of as many values as the map has pixels: depths in slices of the\n"
+    "low-resolution volume (the mm of run --write depthmap by its third ElementSpacing), 0 or less\n"
+    "clips nothing. '-' is the map that clips nothing at all.\n\n";
 
 /* What is for scenes would do nothing with files, and a volume nothing with a synthetic scene. */
 static bool check_case(const hs_eval_request *of, hs_error *err) {
@@ -131,9 +127,6 @@ int hs_cmd_measure(int argc, char **argv) {
     request r;
     hs_error err = {0};
     if (!parse(argc, argv, &r, &err)) return hs_cli_fail("measure", &err);
-    if (r.help) {
-        print_help();
-        return HS_OK;
-    }
+    if (r.help) return hs_options_help(usage, options, "");
     return measure(&r, argv + r.first, argc - r.first, &err) ? HS_OK : hs_cli_fail("measure", &err);
 }

@@ -115,17 +115,10 @@ bool hs_report_line_parse(int argc, char **argv, hs_eval_options *o, bool *help,
     return hs_cli_no_more(argc, argv, next, err);
 }
 
-/* Prints all options and the exit codes. */
-static void hs_report_line_help(void) {
-    (void)printf(
-        "Usage: host_sim report [options]\n"
-        "Measures a plugin over the nine cases and its whole parameter space (thesis, chapter 5), and "
-        "writes\n"
-        "CSV files, pictures and one page, index.html.\n"
-        "\n");
-    hs_options_print(options);
-    (void)printf("\n%s", hs_exit_codes_help);
-}
+static const char usage[] =
+    "Usage: host_sim report [options]\n"
+    "Measures a plugin over the nine cases and its whole parameter space (thesis, chapter 5), and writes\n"
+    "CSV files, pictures and one page, index.html.\n\n";
 
 /* --------------------------------------------------------------------------------------------- command -- */
 
@@ -234,10 +227,7 @@ int hs_cmd_report(int argc, char **argv) {
     hs_error err = {0};
     bool help;
     if (!hs_report_line_parse(argc, argv, &o, &help, &err)) return hs_cli_fail("report", &err);
-    if (help) {
-        hs_report_line_help();
-        return HS_OK;
-    }
+    if (help) return hs_options_help(usage, options, "");
     const bool ok = hs_path_make_folder(o.out, &err) &&
                     (o.compare_count ? run_comparison(&o, &err) : run_study(&o, &err));
     return ok ? HS_OK : hs_cli_fail("report", &err);

@@ -377,8 +377,7 @@ bool hs_eval_compare_page(const hs_eval_comparison *x, hs_error *err) {
         text, sizeof text,
         "%u methods on %u cases with %u seeds each, ranked by e_abs at the given setting: the mean "
         "size of the error of a ray, in steps of one slice of the volume. \"Best position\" is the lowest "
-        "e_abs "
-        "that the primary parameter alone reaches on each volume.",
+        "e_abs that the primary parameter alone reaches on each volume.",
         x->count, x->options->case_count, x->seeds);
     hs_page_text(&report, text);
     hs_page_text(&report,

@@ -174,8 +174,7 @@ void hs_eval_figure_speed(hs_page *report, const hs_eval_study *study) {
         "Medians of %u frames on %s, pictures of 512 x 512. DVR is direct volume rendering, which draws the "
         "picture; "
         "scan conversion makes the low-resolution volume that the plugin gets. With the plugin a volume "
-        "shows %.1f "
-        "frames a second %s than with scan conversion alone; in the thesis the plugin cost %d a "
+        "shows %.1f frames a second %s than with scan conversion alone; in the thesis the plugin cost %d a "
         "second on another machine with other data. A clipped picture can also be quicker: its rays "
         "skip what is cut away.",
         study->options->frames, study->cl.device_name, fabs(lost), lost >= 0 ? "fewer" : "more",

@@ -106,16 +106,13 @@ static void a_gap_needs_both_its_ends(void **state) {
         const char *structures, *error;
     } bad[3] = {
         {"{ \"type\": \"occluder\", \"tissue\": \"placenta\", \"centre_mm\": [60, 40, 10], \"radii_mm\": [9, "
-         "9, 9],"
-         " \"gap_mm\": 3 }",
+         "9, 9], \"gap_mm\": 3 }",
          "structures[0]: gap_mm is 3, but the scene has no fetus"},
         {"{ \"type\": \"fetus\", \"position_mm\": [60, 64, 74], \"scale\": 0.8 }, { \"type\": \"occluder\", "
-         "\"tissue\": "
-         "\"placenta\", \"centre_mm\": [6, 6, 10], \"radii_mm\": [4, 4, 4], \"gap_mm\": 3 }",
+         "\"tissue\": \"placenta\", \"centre_mm\": [6, 6, 10], \"radii_mm\": [4, 4, 4], \"gap_mm\": 3 }",
          "structures[1].gap_mm: no beam meets both this occluder and a fetus"},
         {"{ \"type\": \"nuchal_cord\", \"radius_mm\": 2, \"fetus\": 1 }, { \"type\": \"fetus\", "
-         "\"position_mm\": "
-         "[60, 64, 74] }",
+         "\"position_mm\": [60, 64, 74] }",
          "structures[0]: fetus is 1, but the scene has 1"},
     };
     for (int i = 0; i < 3; i++) {

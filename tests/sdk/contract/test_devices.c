@@ -99,8 +99,7 @@ static void the_first_that_works(void **state) {
     assert_int_equal(setenv("OCL_ICD_VENDORS", "/none", 1), 0);
     takes(two, 0, NULL, -1,
           "no OpenCL device: CL_PLATFORM_NOT_FOUND_KHR (-1001). OCL_ICD_VENDORS, where drivers are looked "
-          "for, is "
-          "'/none'. Install a driver");
+          "for, is '/none'. Install a driver");
     takes(broken, 2, NULL, 1, "the device 'the device of Maker' does not work; trying the next one");
     takes(broken, 2, "gpu", -1, "clCreateContext: CL_OUT_OF_RESOURCES (-5)");
     takes(none, 2, NULL, -1, "clCreateContext: CL_OUT_OF_RESOURCES (-5)");

@@ -146,17 +146,12 @@ static const hs_option options[] = {
     HS_OPTIONS_END,
 };
 
-static void print_help(void) {
-    (void)printf(
-        "Usage: host_sim info [options] FILE...\n"
-        "Prints what MetaImage and Kretz volumes (also in DICOM) are: size, spacing, how they lie in\n"
-        "the patient, the share of unscanned voxels; of a sequence, how many volumes\n"
-        "there are, and this of the first one; of a probe its geometry. Nothing that names a person\n"
-        "is printed.\n"
-        "\n");
-    hs_options_print(options);
-    (void)printf("\n%s", hs_exit_codes_help);
-}
+static const char usage[] =
+    "Usage: host_sim info [options] FILE...\n"
+    "Prints what MetaImage and Kretz volumes (also in DICOM) are: size, spacing, how they lie in\n"
+    "the patient, the share of unscanned voxels; of a sequence, how many volumes\n"
+    "there are, and this of the first one; of a probe its geometry. Nothing that names a person\n"
+    "is printed.\n\n";
 
 /* What is for Kretz files would do nothing with others. */
 static bool check_files(const request *r, int count, char **files, hs_error *err) {
@@ -177,10 +172,7 @@ int hs_cmd_info(int argc, char **argv) {
     request r = {0};
     int first = argc;
     if (!hs_options_read(argc, argv, options, &r, &first, &r.help, &err)) return hs_cli_fail("info", &err);
-    if (r.help) {
-        print_help();
-        return HS_OK;
-    }
+    if (r.help) return hs_options_help(usage, options, "");
     if (!check_files(&r, argc - first, argv + first, &err)) return hs_cli_fail("info", &err);
     for (int i = first; i < argc; i++)
         if (!print_file(argv[i], &r, &err)) return hs_cli_fail("info", &err);

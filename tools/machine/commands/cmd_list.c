@@ -232,19 +232,15 @@ static const hs_option options[] = {
     HS_OPTIONS_END,
 };
 
-static void print_help(void) {
-    (void)printf("Usage: host_sim list [--plugin PATH] [--set KEY=VALUE ...] [--all]\n"
-                 "Prints every plugin of a library, what it can do, and its parameters by groups; needs no "
-                 "OpenCL device.\n"
-                 "Parameters that do not matter with the values of the others are left out.\n"
-                 "\n");
-    hs_options_print(options);
-    (void)printf("\n"
-                 "Flags: primary = the one that every user sees; expert = for advanced users;\n"
-                 "       reactivate = read at activation only; adjust = may change without a new volume\n"
-                 "\n%s",
-                 hs_exit_codes_help);
-}
+static const char usage[] =
+    "Usage: host_sim list [--plugin PATH] [--set KEY=VALUE ...] [--all]\n"
+    "Prints every plugin of a library, what it can do, and its parameters by groups; needs no "
+    "OpenCL device.\n"
+    "Parameters that do not matter with the values of the others are left out.\n\n";
+
+static const char flags[] =
+    "Flags: primary = the one that every user sees; expert = for advanced users;\n"
+    "       reactivate = read at activation only; adjust = may change without a new volume\n\n";
 
 int hs_cmd_list(int argc, char **argv) {
     char path[1024];
@@ -255,10 +251,7 @@ int hs_cmd_list(int argc, char **argv) {
     list_line line = {.path = path};
     hs_guard_defaults(&line.guard);
     if (!hs_options_read(argc, argv, options, &line, &next, &help, &err)) return hs_cli_fail("list", &err);
-    if (help) {
-        print_help();
-        return HS_OK;
-    }
+    if (help) return hs_options_help(usage, options, flags);
     if (!hs_cli_no_more(argc, argv, next, &err) || !print_library(&line, &err))
         return hs_cli_fail("list", &err);
     return HS_OK;

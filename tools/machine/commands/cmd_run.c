@@ -9,7 +9,6 @@
 #include "base/text.h"
 #include "commands/run.h"
 #include "commands/run_line.h"
-#include "commands/run_print.h"
 #include "volume/fan_fit.h"
 
 #include <errno.h>
@@ -157,13 +156,9 @@ static bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err
         return hs_fail(err, HS_ERR_OUTPUT, "%s: a result is no finite number, or memory ran out", path);
     hs_output_file output;
     ok = hs_output_open(&output, path, err);
-    if (ok &&
-        !(hs_output_write(&output, dump, strlen(dump), err) && hs_output_write(&output, "\n", 1, err))) {
-        hs_output_discard(&output);
-        ok = false;
-    }
+    if (ok) (void)fprintf(output.file, "%s\n", dump);
     free(dump);
-    return ok && hs_output_commit(&output, err);
+    return ok && hs_output_commit(&output, err); /* fails if the writing did */
 }
 
 /* Before the work starts: all of it would be lost. */
@@ -227,10 +222,7 @@ int hs_cmd_run(int argc, char **argv) {
     hs_error err = {0};
     hs_code code = HS_OK;
     if (!hs_run_line_parse(argc, argv, &line, &err)) return hs_cli_fail("run", &err);
-    if (line.help) {
-        hs_run_line_help();
-        return HS_OK;
-    }
+    if (line.help) return hs_run_line_help();
     if (!files_at_hand(&line, &err) || !run_loop(&line, &code, &err)) return hs_cli_fail("run", &err);
     hs_print(stdout, "Pictures are in %s\n", line.out);
     return (int)code;

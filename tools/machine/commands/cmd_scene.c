@@ -61,16 +61,11 @@ static bool parse(int argc, char **argv, scene_line *r, hs_error *err) {
                    argv[next]);
 }
 
-static void print_help(void) {
-    (void)printf(
-        "Usage: host_sim scenes [options] [NAME|FILE...]\n"
-        "Generates synthetic scenes with their ground truth. Without a scene it lists the built-in ones.\n"
-        "A scene is a built-in name (D01), the path of a scene file (docs/scenes.md), or R<seed>_<number>:\n"
-        "a random scene, number 0 and on of the set with that seed.\n"
-        "\n");
-    hs_options_print(options);
-    (void)printf("\n%s", hs_exit_codes_help);
-}
+static const char usage[] =
+    "Usage: host_sim scenes [options] [NAME|FILE...]\n"
+    "Generates synthetic scenes with their ground truth. Without a scene it lists the built-in ones.\n"
+    "A scene is a built-in name (D01), the path of a scene file (docs/scenes.md), or R<seed>_<number>:\n"
+    "a random scene, number 0 and on of the set with that seed.\n\n";
 
 static bool list_scenes(hs_error *err) {
     for (int group = 0; group < HS_SCENES_GROUPS; group++)
@@ -161,10 +156,7 @@ int hs_cmd_scene(int argc, char **argv) {
     scene_line r;
     hs_error err = {0};
     if (!parse(argc, argv, &r, &err)) return hs_cli_fail("scenes", &err);
-    if (r.help) {
-        print_help();
-        return HS_OK;
-    }
+    if (r.help) return hs_options_help(usage, options, "");
     const bool make = r.all || r.hard || optind < argc;
     bool ok = make ? make_scenes(&r, argv + optind, argc - optind, &err) : list_scenes(&err);
     return ok ? HS_OK : hs_cli_fail("scenes", &err);

@@ -7,6 +7,8 @@
 #include "loop/source.h"
 #include "result/result_write.h"
 
+#include <stdio.h>
+
 /* What to run. Strings and arrays are borrowed and must outlive the run. */
 typedef struct {
     const char *plugin_path; /* NULL: smartvis.so beside the executable */
@@ -95,3 +97,6 @@ void hs_run_plugin_name(const hs_run *run, char *out, size_t bytes);
 
 /* Share of voxels of a volume that were not scanned, 0 .. 1. */
 double hs_unscanned_share(const hs_volume *volume);
+
+/* The facts and the table of times, shares and statistics, as in the thesis' Figure 5.21 and Table 5.4. */
+void hs_run_print(const hs_run *run, FILE *out);

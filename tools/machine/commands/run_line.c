@@ -311,12 +311,11 @@ bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err) 
     return true;
 }
 
-void hs_run_line_help(void) {
-    (void)printf("Usage: host_sim run (--volume FILE | --scene NAME) [options]\n"
-                 "Runs the scan loop: volume -> scan conversion -> slabs -> plugin -> depthmap -> DVR -> "
-                 "picture.\n"
-                 "Prints times and statistics, and writes pictures to one folder.\n"
-                 "\n");
-    hs_options_print(options);
-    (void)printf("\n%s", hs_exit_codes_help);
+static const char usage[] =
+    "Usage: host_sim run (--volume FILE | --scene NAME) [options]\n"
+    "Runs the scan loop: volume -> scan conversion -> slabs -> plugin -> depthmap -> DVR -> picture.\n"
+    "Prints times and statistics, and writes pictures to one folder.\n\n";
+
+int hs_run_line_help(void) {
+    return hs_options_help(usage, options, "");
 }

@@ -23,5 +23,5 @@ typedef struct {
 /* Reads the options. HS_ERR_USAGE names option, value and what is allowed. Nothing is read after --help. */
 bool hs_run_line_parse(int argc, char **argv, hs_run_line *line, hs_error *err);
 
-/* Prints all options and the exit codes. */
-void hs_run_line_help(void);
+/* Prints all options and the exit codes; HS_OK. */
+int hs_run_line_help(void);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "commands/run_print.h"
+#include "commands/run.h"
 
 #include "base/text.h"
 #include "plugin/capabilities.h"

@@ -51,20 +51,13 @@ static const hs_option options[] = {
     HS_OPTIONS_END,
 };
 
-static void print_help(void) {
-    (void)printf(
-        "Usage: host_sim console [FOLDER...] [options]\n"
-        "Serves a page on which the scan loop runs live, and prints its address. Open it in a browser "
-        "of this machine.\n"
-        "\n"
-        "  FOLDER                volumes of these folders (.mha, .mhd, .vol) can be opened, and nothing "
-        "outside of them\n");
-    hs_options_print(options);
-    (void)printf("\n"
-                 "Ends at Ctrl-C, and 30 s after the last page was closed.\n"
-                 "\n%s",
-                 hs_exit_codes_help);
-}
+static const char usage[] =
+    "Usage: host_sim console [FOLDER...] [options]\n"
+    "Serves a page on which the scan loop runs live, and prints its address. Open it in a browser "
+    "of this machine.\n"
+    "\n"
+    "  FOLDER                volumes of these folders (.mha, .mhd, .vol) can be opened, and nothing "
+    "outside of them\n";
 
 static bool parse(int argc, char **argv, console_line *line, hs_error *err) {
     int next = argc;
@@ -138,7 +131,7 @@ int hs_cmd_console(int argc, char **argv) {
 #endif
     bool ok = parse(argc, argv, &line, &err);
     if (ok && line.help)
-        print_help();
+        (void)hs_options_help(usage, options, "Ends at Ctrl-C, and 30 s after the last page was closed.\n\n");
     else
         ok = ok && serve(&line, &err);
     hs_console_drop_close(&line.shared.files);

@@ -37,8 +37,7 @@ static const char *hs_view_legend(const hs_view *view) {
         return "Skin tones: surfaces, darker and redder with depth. Grey: the scan's end.";
     if (view->ghosted)
         return "Skin tones: surfaces, redder with depth. Grey: cut by the clipping surface or the scan's "
-               "end. "
-               "Blue veil: removed tissue, shown faintly.";
+               "end. Blue veil: removed tissue, shown faintly.";
     return "Skin tones: surfaces, redder with depth. Grey: cut by the clipping surface or the scan's end.";
 }
 

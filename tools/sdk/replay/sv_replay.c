@@ -48,8 +48,7 @@ static const hs_option options[] = {
 static void print_help(void) {
     printf("Usage: sv_replay FILE [options]\n"
            "Plays a recording of smartvis_check.so into a plugin, and says whether its maps, statuses and "
-           "logs are the "
-           "same bits,\nelse where they part.\n\n");
+           "logs are the same bits,\nelse where they part.\n\n");
     hs_options_print(options);
     printf(
         "\nAll of it is played in a process of its own, which may take 1 GiB, and half of one for each MB of "
@@ -57,8 +56,7 @@ static void print_help(void) {
         "host_sim runs it: then neither\nits log nor what begin and slab return can be compared. "
         "--no-guard: all of it in this process, for a debugger.\n\n"
         "%s1: something is not the same. A recording that is cut off is played as far as it goes, and "
-        "ends with "
-        "3.\n",
+        "ends with 3.\n",
         hs_exit_codes_help);
 }
 
