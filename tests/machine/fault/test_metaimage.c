@@ -44,25 +44,82 @@ typedef struct {
     size_t whole_bytes;
 } rule;
 
-static void expect_both_sides(const rule *rules, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        write_with("edge.mha", rules[i].broken, rules[i].broken_bytes);
-        files_refused("edge.mha", rules[i].told);
-        if (!rules[i].whole) continue;
-        write_with("edge.mha", rules[i].whole, rules[i].whole_bytes);
+static const rule rules[] = {
+    {"NDims", 48, "NDims is missing", NULL, 0},
+    {"DimSize", 48, "DimSize is missing", NULL, 0},
+    {"ElementType", 48, "ElementType is missing", NULL, 0},
+    {"ElementDataFile", 0, "ElementDataFile is missing", NULL, 0},
+    /* Sizes. */
+    {"NDims = 2\n", 48, "NDims is '2', expected 3 (a volume) or 4 (a sequence of volumes)", "NDims = 3\n",
+     48},
+    {"NDims = 5\n", 48, "NDims is '5'", "NDims = 03\n", 48},
+    {"NDims = 3 4\n", 48, "NDims is '3 4'", "NDims =   3\n", 48},
+    {"DimSize = 2049 1 1\n", 4098, "each 1 .. 2048", "DimSize = 2048 1 1\n", 4096},
+    {"DimSize = 0 3 2\n", 0, "each 1 .. 2048", "DimSize = 1 3 2\n", 12},
+    {"DimSize = 2048 1025 1024\n", 48, "is '2048 1025 1024', expected at most 2147483648 voxels",
+     "DimSize = 4 3 2\n", 48},
+    {"DimSize = 4 3 2 1\n", 48, "as many numbers as NDims", "DimSize = 4 3 2 \n", 48},
+    {"DimSize = 4 3 +2\n", 48, "DimSize is '4 3 +2'", "DimSize = 4 3 002\n", 48},
+    {"ElementSpacing = 0 1 1\n", 48, "ElementSpacing is '0 1 1', expected three numbers above 0 (mm)",
+     "ElementSpacing = 1e-6 1 1\n", 48},
+    {"ElementSpacing = 9e-7 1 1\n", 48, "1e-6 .. 1e6", "ElementSpacing = 1 1e-6 1\n", 48},
+    {"ElementSpacing = 1 1 1e309\n", 48, "above 0", "ElementSpacing = 1 1 1e6\n", 48},
+    {"ElementSpacing = 1 1 1e308\n", 48, "ElementSpacing is '1 1 1e308'", "ElementSpacing = 1 1 9e5\n", 48},
+    {"ElementSpacing = 1 1\n", 48, "three numbers", "ElementSpacing = 1 1 .5\n", 48},
+    {"NDims = 3.0\n", 48, "NDims is '3.0'", NULL, 0},
+    {"NDims = -3\n", 48, "NDims is '-3'", NULL, 0},
+    {"NDims = 4\n", 48, "DimSize is '4 3 2', expected a fourth size of 1", NULL, 0},
+    {"NDims = 99999999999999999999999\n", 48, "NDims is '99999999999999999999999'", NULL, 0},
+    {"DimSize = 65535 65535 65535\n", 48,
+     "DimSize is '65535 65535 65535', expected one number per dimension, each 1 .. 2048", NULL, 0},
+    {"DimSize = 4 -1 2\n", 48, "DimSize is '4 -1 2'", NULL, 0},
+    {"DimSize = 4 3 4294967298\n", 48, "DimSize is '4 3 4294967298'", NULL, 0}, /* 2 + 2^32 */
+    {"DimSize = 4 3 18446744073709551618\n", 48, "DimSize is '4 3 18446744073709551618'", NULL,
+     0}, /* 2 + 2^64 */
+    {"DimSize = 4 3\n", 48, "DimSize is '4 3'", NULL, 0},
+    {"DimSize = 4x 3 2\n", 48, "DimSize is '4x 3 2'", NULL, 0},
+    {"DimSize = \n", 48, "DimSize is ''", NULL, 0},
+    {"ElementSpacing = 1 -2 1\n", 48, "ElementSpacing is '1 -2 1'", NULL, 0},
+    {"ElementSpacing = 1 nan 1\n", 48, "ElementSpacing is '1 nan 1'", NULL, 0},
+    {"ElementSpacing = 0x1.4p0 1 1\n", 48, "ElementSpacing is '0x1.4p0 1 1'", NULL, 0},
+    /* Encodings. */
+    {"ObjectType = Images\n", 48, "expected Image", "ObjectType = Image\n", 48},
+    {"ElementType = MET_USHORTS\n", 48, "ElementType is 'MET_USHORTS', expected MET_UCHAR",
+     "ElementType = MET_SHORT\n", 48},
+    {"ElementType = MET_ULONG\n", 192, "192 bytes of data, expected 96", "ElementType = MET_ULONG\n", 96},
+    {"ElementNumberOfChannels = 2\n", 96, "expected 1", "ElementNumberOfChannels = 1\n", 48},
+    {"BinaryData = False\n", 48, "expected True", "BinaryData = 1\n", 48},
+    {"BinaryData = Tru\n", 48, "expected True or False", "BinaryData = T\n", 48},
+    {"BinaryDataByteOrderMSB = yes\n", 48, "expected True or False", "BinaryDataByteOrderMSB = true\n", 48},
+    {"ElementByteOrderMSB = 2\n", 48, "expected True or False", "ElementByteOrderMSB = 0\n", 48},
+    {"BinaryDataByteOrderMSB = False\nElementByteOrderMSB = True\n", 48,
+     ":8: ElementByteOrderMSB is 'True', expected the same as BinaryDataByteOrderMSB",
+     "BinaryDataByteOrderMSB = True\nElementByteOrderMSB = True\n", 48},
+    {"CompressedData = maybe\n", 48, "expected True or False", "CompressedData = False\n", 48},
+    {"ElementType = met_ushort\n", 48, "ElementType is 'met_ushort'", NULL, 0},
+    {"ElementType = MET_UCHAR_ARRAY\n", 48, "ElementType is 'MET_UCHAR_ARRAY'", NULL, 0},
+    /* Data. */
+    {"Comment = x\n", 47, "47 bytes of data, expected 48", "Comment = x\n", 48},
+    {"Comment = x\n", 49, "49 bytes of data, expected 48", "Comment = x\n", 48},
+    {"HeaderSize = -1\n", 47, "bytes of data, expected 48", "HeaderSize = -1\n", 55},
+    {"HeaderSize = -2\n", 48, "a number of bytes, or -1", "HeaderSize = 0\n", 48},
+    {"ElementDataFile = LISTS\n", 48, "LOCAL or the name of one file", "ElementDataFile = Local\n", 48},
+    {"ElementDataFile = a%d.raw\n", 48, "LOCAL or the name of one file", "ElementDataFile = local\n", 48},
+    {"HeaderSize = 18446744073709551615\n", 48, "0 bytes of data, expected 48", NULL, 0},
+    {"ElementDataFile = \n", 48, "ElementDataFile is ''", NULL, 0},
+};
+
+static void both_sides_of_every_rule(void **state) {
+    for (const rule *r = rules; r < rules + sizeof rules / sizeof *rules; r++) {
+        write_with("edge.mha", r->broken, r->broken_bytes);
+        files_refused("edge.mha", r->told);
+        if (!r->whole) continue;
+        write_with("edge.mha", r->whole, r->whole_bytes);
         files_read("edge.mha", NULL);
     }
 }
 
-/* A field that is needed and not there, and one that is there twice. */
-static void fields(void **state) {
-    static const rule rules[] = {
-        {"NDims", 48, "NDims is missing", NULL, 0},
-        {"DimSize", 48, "DimSize is missing", NULL, 0},
-        {"ElementType", 48, "ElementType is missing", NULL, 0},
-        {"ElementDataFile", 0, "ElementDataFile is missing", NULL, 0},
-    };
-    expect_both_sides(rules, sizeof rules / sizeof *rules);
+static void no_field_is_there_twice(void **state) {
     unsigned line = 1;
     for (const char *s = TEXT; *s; s = strchr(s, '\n') + 1, line++) {
         char told[96], twice[512];
@@ -75,80 +132,8 @@ static void fields(void **state) {
     }
 }
 
-static void sizes(void **state) {
-    static const rule rules[] = {
-        {"NDims = 2\n", 48, "NDims is '2', expected 3 (a volume) or 4 (a sequence of volumes)", "NDims = 3\n",
-         48},
-        {"NDims = 5\n", 48, "NDims is '5'", "NDims = 03\n", 48},
-        {"NDims = 3 4\n", 48, "NDims is '3 4'", "NDims =   3\n", 48},
-        {"DimSize = 2049 1 1\n", 4098, "each 1 .. 2048", "DimSize = 2048 1 1\n", 4096},
-        {"DimSize = 0 3 2\n", 0, "each 1 .. 2048", "DimSize = 1 3 2\n", 12},
-        {"DimSize = 2048 1025 1024\n", 48, "is '2048 1025 1024', expected at most 2147483648 voxels",
-         "DimSize = 4 3 2\n", 48},
-        {"DimSize = 4 3 2 1\n", 48, "as many numbers as NDims", "DimSize = 4 3 2 \n", 48},
-        {"DimSize = 4 3 +2\n", 48, "DimSize is '4 3 +2'", "DimSize = 4 3 002\n", 48},
-        {"ElementSpacing = 0 1 1\n", 48, "ElementSpacing is '0 1 1', expected three numbers above 0 (mm)",
-         "ElementSpacing = 1e-6 1 1\n", 48},
-        {"ElementSpacing = 9e-7 1 1\n", 48, "1e-6 .. 1e6", "ElementSpacing = 1 1e-6 1\n", 48},
-        {"ElementSpacing = 1 1 1e309\n", 48, "above 0", "ElementSpacing = 1 1 1e6\n", 48},
-        {"ElementSpacing = 1 1 1e308\n", 48, "ElementSpacing is '1 1 1e308'", "ElementSpacing = 1 1 9e5\n",
-         48},
-        {"ElementSpacing = 1 1\n", 48, "three numbers", "ElementSpacing = 1 1 .5\n", 48},
-        {"NDims = 3.0\n", 48, "NDims is '3.0'", NULL, 0},
-        {"NDims = -3\n", 48, "NDims is '-3'", NULL, 0},
-        {"NDims = 4\n", 48, "DimSize is '4 3 2', expected a fourth size of 1", NULL, 0},
-        {"NDims = 99999999999999999999999\n", 48, "NDims is '99999999999999999999999'", NULL, 0},
-        {"DimSize = 65535 65535 65535\n", 48,
-         "DimSize is '65535 65535 65535', expected one number per dimension, each 1 .. 2048", NULL, 0},
-        {"DimSize = 4 -1 2\n", 48, "DimSize is '4 -1 2'", NULL, 0},
-        {"DimSize = 4 3 4294967298\n", 48, "DimSize is '4 3 4294967298'", NULL, 0}, /* 2 + 2^32 */
-        {"DimSize = 4 3 18446744073709551618\n", 48, "DimSize is '4 3 18446744073709551618'", NULL,
-         0}, /* 2 + 2^64 */
-        {"DimSize = 4 3\n", 48, "DimSize is '4 3'", NULL, 0},
-        {"DimSize = 4x 3 2\n", 48, "DimSize is '4x 3 2'", NULL, 0},
-        {"DimSize = \n", 48, "DimSize is ''", NULL, 0},
-        {"ElementSpacing = 1 -2 1\n", 48, "ElementSpacing is '1 -2 1'", NULL, 0},
-        {"ElementSpacing = 1 nan 1\n", 48, "ElementSpacing is '1 nan 1'", NULL, 0},
-        {"ElementSpacing = 0x1.4p0 1 1\n", 48, "ElementSpacing is '0x1.4p0 1 1'", NULL, 0},
-    };
-    expect_both_sides(rules, sizeof rules / sizeof *rules);
-}
-
-static void encodings(void **state) {
-    static const rule rules[] = {
-        {"ObjectType = Images\n", 48, "expected Image", "ObjectType = Image\n", 48},
-        {"ElementType = MET_USHORTS\n", 48, "ElementType is 'MET_USHORTS', expected MET_UCHAR",
-         "ElementType = MET_SHORT\n", 48},
-        {"ElementType = MET_ULONG\n", 192, "192 bytes of data, expected 96", "ElementType = MET_ULONG\n", 96},
-        {"ElementNumberOfChannels = 2\n", 96, "expected 1", "ElementNumberOfChannels = 1\n", 48},
-        {"BinaryData = False\n", 48, "expected True", "BinaryData = 1\n", 48},
-        {"BinaryData = Tru\n", 48, "expected True or False", "BinaryData = T\n", 48},
-        {"BinaryDataByteOrderMSB = yes\n", 48, "expected True or False", "BinaryDataByteOrderMSB = true\n",
-         48},
-        {"ElementByteOrderMSB = 2\n", 48, "expected True or False", "ElementByteOrderMSB = 0\n", 48},
-        {"BinaryDataByteOrderMSB = False\nElementByteOrderMSB = True\n", 48,
-         ":8: ElementByteOrderMSB is 'True', expected the same as BinaryDataByteOrderMSB",
-         "BinaryDataByteOrderMSB = True\nElementByteOrderMSB = True\n", 48},
-        {"CompressedData = maybe\n", 48, "expected True or False", "CompressedData = False\n", 48},
-        {"ElementType = met_ushort\n", 48, "ElementType is 'met_ushort'", NULL, 0},
-        {"ElementType = MET_UCHAR_ARRAY\n", 48, "ElementType is 'MET_UCHAR_ARRAY'", NULL, 0},
-    };
-    expect_both_sides(rules, sizeof rules / sizeof *rules);
-}
-
-static void data(void **state) {
-    static const rule rules[] = {
-        {"Comment = x\n", 47, "47 bytes of data, expected 48", "Comment = x\n", 48},
-        {"Comment = x\n", 49, "49 bytes of data, expected 48", "Comment = x\n", 48},
-        {"HeaderSize = -1\n", 47, "bytes of data, expected 48", "HeaderSize = -1\n", 55},
-        {"HeaderSize = -2\n", 48, "a number of bytes, or -1", "HeaderSize = 0\n", 48},
-        {"ElementDataFile = LISTS\n", 48, "LOCAL or the name of one file", "ElementDataFile = Local\n", 48},
-        {"ElementDataFile = a%d.raw\n", 48, "LOCAL or the name of one file", "ElementDataFile = local\n", 48},
-        {"HeaderSize = 18446744073709551615\n", 48, "0 bytes of data, expected 48", NULL, 0},
-        {"ElementDataFile = \n", 48, "ElementDataFile is ''", NULL, 0},
-    };
-    expect_both_sides(rules, sizeof rules / sizeof *rules);
-    /* HeaderSize may be larger than the text: what lies between is passed over. */
+/* HeaderSize may be larger than the text: what lies between is passed over. */
+static void long_headers(void **state) {
     write_with("edge.mha", "HeaderSize = 40\n", 48);
     files_refused("edge.mha", "the length of the text at least");
     const size_t text = strlen(TEXT "HeaderSize = 200\n" LAST);
@@ -381,7 +366,7 @@ static int setup(void **state) {
     return files_setup(state);
 }
 
-UNIT_MAIN(setup, files_teardown, fields, sizes, encodings, data, data_files, values, compressed,
-          every_truncation_is_refused, every_damaged_byte_of_compressed_data_is_noticed,
+UNIT_MAIN(setup, files_teardown, both_sides_of_every_rule, no_field_is_there_twice, long_headers, data_files,
+          values, compressed, every_truncation_is_refused, every_damaged_byte_of_compressed_data_is_noticed,
           compressed_streams_must_fit_the_header, what_is_no_metaimage_is_refused,
           skipped_values_stay_out_of_messages, messages_stay_one_printable_line)
