@@ -9,8 +9,7 @@
  * session, for this process and the child are subreapers, so orphans come to one of them; on Windows by a
  * job. Parent and child talk through a channel that keeps messages apart.
  */
-#ifndef HS_CHILD_H
-#define HS_CHILD_H
+#pragma once
 
 #include "base/error.h"
 
@@ -122,5 +121,3 @@ bool hs_child_receive(intptr_t channel, void *message, size_t bytes);
 
 /* "crashed: SIGSEGV", "aborted", "left by exit(0)", "ran out of time (2.0 s)", "took more than 1024 MiB". */
 void hs_child_tell(const hs_child_end *end, char *out, size_t bytes);
-
-#endif

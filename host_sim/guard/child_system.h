@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What child_watch.c asks of the system: child_posix.c and child_windows.c. */
-#ifndef HS_CHILD_SYSTEM_H
-#define HS_CHILD_SYSTEM_H
+#pragma once
 
 #include "guard/child.h"
 
@@ -42,5 +41,3 @@ uint64_t hs_process_memory(const hs_child *child);
 
 /* "crashed: SIGSEGV". */
 void hs_process_tell_crash(int number, char *out, size_t bytes);
-
-#endif

@@ -10,8 +10,7 @@
  *
  * The parent believes nothing in it: it copies once, then looks at the copy. Texts end where their arrays do.
  */
-#ifndef HS_GUARD_BLOCK_H
-#define HS_GUARD_BLOCK_H
+#pragma once
 
 #include "base/error.h"
 #include "plugin/capabilities.h"
@@ -153,5 +152,3 @@ static inline size_t hs_guard_map_offset(hs_guard_map map, size_t pixels) {
 /* The child: loads the plugin and does what the channel orders, until it is closed. The hidden command
  * guard-child. Returns the exit code: HS_ERR_USAGE if the process was not started by a guard. */
 int hs_guard_serve(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The host's side of a guard: its child, the memory they share, and one message at a time. */
-#ifndef HS_GUARD_LINK_H
-#define HS_GUARD_LINK_H
+#pragma once
 
 #include "guard/child.h"
 #include "guarded/guard_block.h"
@@ -83,5 +82,3 @@ sv_status hs_guard_activate(hs_guard *guard);
 
 /* sv_plugin.get_extension of a guarded instance. */
 const void *hs_guarded_extension(const sv_plugin *plugin, const char *id);
-
-#endif

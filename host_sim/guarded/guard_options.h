@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* When a plugin is guarded, and what its child may take. */
-#ifndef HS_GUARD_OPTIONS_H
-#define HS_GUARD_OPTIONS_H
+#pragma once
 
 #include "base/options.h"
 
@@ -46,5 +45,3 @@ const char *hs_guard_program(void);
                  "memory that the plugin's process may take [4096]")
 bool hs_guard_take_time(void *guard_options, const char *text, hs_error *err);
 bool hs_guard_take_memory(void *guard_options, const char *text, hs_error *err);
-
-#endif

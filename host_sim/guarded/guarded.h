@@ -9,8 +9,7 @@
  * the plugin gets them as hs_guarded_route says. A frame is one message: begin and slab only note what they
  * are given.
  */
-#ifndef HS_GUARDED_H
-#define HS_GUARDED_H
+#pragma once
 
 #include "guarded/guard_options.h"
 #include "plugin/capabilities.h"
@@ -51,5 +50,3 @@ const hs_error *hs_guarded_ended(const hs_plugin *plugin);
 
 /* How often a child was started anew; 0 if the plugin is not guarded. */
 uint32_t hs_guarded_restarts(const hs_plugin *plugin);
-
-#endif

@@ -4,8 +4,7 @@
  * The guard proper would stand between its calls and change them; so the work is the child here, and says now
  * and then that it goes on.
  */
-#ifndef HS_IN_CHILD_H
-#define HS_IN_CHILD_H
+#pragma once
 
 #include "guarded/guard_options.h"
 
@@ -18,5 +17,3 @@ int hs_work_in_child(const hs_guard_options *guard, const char *plugin, const ch
 
 /* Work that takes long goes on. Steps of a progress say so, too. */
 void hs_child_goes_on(void);
-
-#endif

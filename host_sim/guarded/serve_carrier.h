@@ -4,8 +4,7 @@
  * takes or the device can use it in place, else OpenCL objects that are filled from it. Results go back the
  * same way.
  */
-#ifndef HS_SERVE_CARRIER_H
-#define HS_SERVE_CARRIER_H
+#pragma once
 
 #include "guarded/guard_block.h"
 #include "render/host_cl.h"
@@ -48,5 +47,3 @@ bool hs_carrier_finish(hs_carrier *carrier, hs_error *err);
 
 /* A map in the shared memory. */
 void *hs_carrier_map(const hs_carrier *carrier, hs_guard_map map);
-
-#endif

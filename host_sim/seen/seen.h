@@ -8,8 +8,7 @@
  * but for `levels`. Not for several threads at a time. A function that fails returns 0, and hs_seen_error
  * says why.
  */
-#ifndef HS_SEEN_H
-#define HS_SEEN_H
+#pragma once
 
 #include "smartvis_plugin.h"
 
@@ -81,5 +80,3 @@ SV_EXPORT int32_t hs_seen_reason(const void *report, char words[320]);
 
 /* Gives the device back. */
 SV_EXPORT void hs_seen_close(void);
-
-#endif
