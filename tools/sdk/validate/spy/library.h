@@ -31,8 +31,8 @@ static inline bool library_range_holds(library_range range, const void *address)
 }
 
 /* From now on the OpenCL calls of the library that holds this address, and those of the heap, reach this
- * program's functions: clFinish, or malloc by the name spy_malloc. Nothing is to be done where a program's
- * names come first. */
+ * program's functions: clFinish, or malloc by the name instead_of_malloc. Nothing is to be done where a
+ * program's names come first. */
 void library_redirect(const void *address);
 
 /* The function by this name that comes after this program's. */

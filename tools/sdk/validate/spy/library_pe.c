@@ -67,17 +67,13 @@ library_range library_range_of(const void *address) {
 }
 
 /* ---- whom it calls */
-/* The program's function of this name, which sv_validate exports. */
+static HMODULE runtime; /* the C library whose heap the redirected library uses */
+
+/* The program's function that stands in for this one, which sv_validate exports. */
 static void *own(const char *name) {
-    static const char *const heap[] = {"malloc", "calloc", "realloc", "free"};
-    char spied[16];
-    if (library_is_opencl(name)) return library_find((void *)GetModuleHandleW(NULL), name);
-    for (size_t i = 0; i < sizeof heap / sizeof *heap; i++) {
-        if (strcmp(name, heap[i]) != 0) continue;
-        (void)snprintf(spied, sizeof spied, "spy_%s", name);
-        return library_find((void *)GetModuleHandleW(NULL), spied);
-    }
-    return NULL;
+    char instead[24];
+    (void)snprintf(instead, sizeof instead, "instead_of_%s", name);
+    return library_find((void *)GetModuleHandleW(NULL), library_is_opencl(name) ? name : instead);
 }
 
 /* Calls `each` for every function that it imports by name, and where its address stands. */
@@ -98,7 +94,8 @@ static void redirect(void *context, const char *name, void **at) {
     void *to = own(name);
     DWORD before;
     (void)context;
-    if (!to || !VirtualProtect(at, sizeof *at, PAGE_READWRITE, &before)) return;
+    if (!to || *at == to || !VirtualProtect(at, sizeof *at, PAGE_READWRITE, &before)) return;
+    if (!library_is_opencl(name)) runtime = module_of(*at);
     *at = to;
     (void)VirtualProtect(at, sizeof *at, before, &before);
 }
@@ -109,7 +106,7 @@ void library_redirect(const void *address) {
 }
 
 void *library_next(const char *name) {
-    return as_object(GetProcAddress(LoadLibraryW(L"OpenCL.dll"), name));
+    return as_object(GetProcAddress(library_is_opencl(name) ? LoadLibraryW(L"OpenCL.dll") : runtime, name));
 }
 
 static void find_unknown(void *context, const char *name, void **at) {
