@@ -6,7 +6,6 @@
 #include "bench/bench_results.h"
 #include "guard/child.h"
 #include "guarded/in_child.h"
-#include "plugin/loader_param.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -13,7 +13,6 @@
 #include "guarded/guard_options.h"
 #include "loop/clipper.h"
 #include "loop/view.h"
-#include "plugin/loader_param.h"
 #include "show/loop_pictures.h"
 
 #include <ctype.h>

@@ -5,7 +5,6 @@
 #include "base/system.h"
 #include "loop/clipper.h"
 #include "page/plot.h"
-#include "plugin/loader_param.h"
 
 #include <math.h>
 #include <string.h>

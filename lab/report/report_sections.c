@@ -4,7 +4,6 @@
 #include "base/paths.h"
 #include "base/system.h"
 #include "page/plot.h"
-#include "picture/picture.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,6 @@
 #include "abi/abi.h"
 #include "frame/instance.h"
 #include "frame/pipeline.h"
-#include "quantise.h"
 
 static const sv_descriptor descriptor = {
     .size = sizeof descriptor,

@@ -6,7 +6,6 @@
 #include "method/method_wall.h"
 
 #include "device/queue.h"
-#include "ref/ref_wall.h"
 #include "wall_layout.h"
 
 #include <stdlib.h>

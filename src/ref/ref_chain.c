@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "ref/ref_chain.h"
 
-#include "quantise.h"
 #include "ref/ref_minimum.h"
 
 #include <stdlib.h>

@@ -3,8 +3,6 @@
  * 3.18-3.21, Algorithm 4.3). */
 #include "ref/ref_mean.h"
 
-#include "quantise.h"
-
 #include <stdlib.h>
 #include <string.h>
 

@@ -5,8 +5,6 @@
 #include "fuzz/memory_file.h"
 #include "volume/metaimage.h"
 
-#include <stdlib.h>
-
 /* A volume that was read is as its header says: every voxel is there, and spacing is a length. */
 static void check_volume(const hs_volume *v) {
     FUZZ_HOLDS(v->nx > 0 && v->ny > 0 && v->nz > 0 && v->voxels);

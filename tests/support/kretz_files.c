@@ -3,8 +3,6 @@
 
 #include "support/host_fixture.h"
 
-#include <math.h>
-
 static const char magic[] = "KRETZFILE 1.0   ";
 
 kretz_plan kretz_good(void) {

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "support/wall_compare.h"
 
-#include "support/surfaces.h"
-
 #include <math.h>
 
 /* Knob positions: that of the frame, then those that it is moved to. */

@@ -2,8 +2,6 @@
 /* Frames that are decided one by one: a loop that is turned, zoomed or given other values draws what a loop
  * that was made so draws. */
 #include "loop/loop_run.h"
-#include "loop/view.h"
-#include "plugin/loader_param.h"
 #include "support/loop_fixture.h"
 #include "support/unit.h"
 

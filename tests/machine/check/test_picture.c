@@ -6,7 +6,6 @@
 #include "smartvis_plugin.h"
 #include "support/metaimage_files.h"
 
-#include <limits.h>
 #include <math.h>
 #include <png.h>
 #include <signal.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Scene files: what is wrong with one is told with file and field. */
-#include "scene/scene_json.h"
 #include "support/scene_fixture.h"
 
 static void refuse(const char *text, const char *expected) {

@@ -2,7 +2,6 @@
 /* Random scenes: the same seed gives the same file on every machine, every number lies in its range,
  * every share is kept, every scene opens and has an exact truth. */
 #include "scene/scene_draw.h"
-#include "scene/scene_spec.h"
 #include "support/scene_fixture.h"
 
 #include <jansson.h>

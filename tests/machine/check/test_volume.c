@@ -4,7 +4,6 @@
 #include "volume/crop.h"
 #include "volume/volume.h"
 
-#include <limits.h>
 #include <pthread.h>
 
 static hs_volume make(uint32_t nx, uint32_t ny, uint32_t nz) {

@@ -5,8 +5,6 @@
 #include "base/progress.h"
 #include "support/unit.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>

@@ -9,8 +9,6 @@
 #include "plugin/loader_param.h"
 #include "support/loop_fixture.h"
 
-#include <unistd.h>
-
 static const char *file(const char *name) {
     static char path[1024];
     const char *build = getenv("SV_BUILD_DIR");

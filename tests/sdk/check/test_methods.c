@@ -3,8 +3,6 @@
  * near 8,150 and with other settings: test_method_hard. */
 #include "support/surfaces.h"
 
-#include <math.h>
-
 static uint32_t held[SV_METHOD_END]; /* chains of a method that were held to its definition */
 
 /* Runs a chain and holds it to its definition; prints what docs/numerics.md quotes. */

@@ -5,7 +5,6 @@
  * layers is integer arithmetic, so on a device that divides exactly the maps are the same bits.
  */
 #include "support/scene_fixture.h"
-#include "support/surfaces.h"
 #include "support/wall_compare.h"
 
 #include <math.h>

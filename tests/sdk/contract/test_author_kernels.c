@@ -10,7 +10,6 @@
 #include "support/rig.h"
 
 #include <locale.h>
-#include <unistd.h>
 
 enum { WIDTH = 8, HEIGHT = 4, SLICES = 6, FIND = 0, PLACE, KERNELS };
 

@@ -3,7 +3,6 @@
 #include "console/console.h"
 
 #include "plugin/loader_param.h"
-#include "show/loop_pictures.h"
 
 #include <stdio.h>
 #include <stdlib.h>

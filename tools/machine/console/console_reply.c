@@ -2,7 +2,6 @@
 #include "console/console.h"
 
 #include "base/json_text.h"
-#include "base/text.h"
 #include "plugin/loader_param.h"
 #include "scene/scene.h"
 #include "scene/scene_spec.h"

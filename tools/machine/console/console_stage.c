@@ -2,7 +2,6 @@
 #include "console/console.h"
 
 #include "base/progress.h"
-#include "loop/loop_run.h"
 
 #include <math.h>
 #include <stdlib.h>
