@@ -197,11 +197,11 @@ void hs_process_kill(hs_child *child) {
     (void)TerminateJobObject((HANDLE)child->job, KILLED);
 }
 
+/* Windows 7 tells one, wine the other, newer Windows both. */
 uint64_t hs_process_memory(const hs_child *child) {
     PROCESS_MEMORY_COUNTERS_EX taken = {.cb = sizeof taken};
-    return GetProcessMemoryInfo((HANDLE)child->process, (PROCESS_MEMORY_COUNTERS *)&taken, sizeof taken)
-               ? taken.PrivateUsage
-               : 0;
+    (void)GetProcessMemoryInfo((HANDLE)child->process, (PROCESS_MEMORY_COUNTERS *)&taken, sizeof taken);
+    return taken.PrivateUsage > taken.PagefileUsage ? taken.PrivateUsage : taken.PagefileUsage;
 }
 
 /* Bytes that can be read at once; -1: the other end is closed. */
