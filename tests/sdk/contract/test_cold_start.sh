@@ -38,5 +38,10 @@ again=$(find "$POCL_CACHE_DIR" -name '*.so' -printf '%f\n' | sed 's/\.so$//' | s
 for picture in result depthmap slices; do
     cmp -s "$work/cold/$picture.png" "$work/warm/$picture.png" || fail "$picture.png is another in a cold start"
 done
+# The layer's recording of such a run is whole: no other process of the host writes there.
+POCL_CACHE_DIR=$work SMARTVIS_RECORD=$work/cold.svr "$build_dir/host_sim" run --scene E01 --size 32 --frames 1 --picture 32 --few-pictures \
+    --setting smartvis --set method=mean --no-guard --plugin "$build_dir/smartvis_check.so" --out "$work/recorded" > "$work/recorded.txt" 2>&1
+said=$("$build_dir/sv_replay" "$work/cold.svr" 2>&1 | tail -n 1)
+[ "$said" = "the same" ] || fail "recorded in a cold start: $said"
 [ "$failures" = 0 ] && echo "cold start: $(wc -l <<< "$compiled") kernels"
 exit "$failures"

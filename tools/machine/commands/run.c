@@ -89,15 +89,21 @@ static bool compile_host(hs_run *run, hs_error *err) {
     return ok || err->code != HS_OK || hs_fail(err, HS_ERR_MEMORY, "ends of rays: no memory");
 }
 
-/* A guarded plugin has a process of its own anyway. */
+/* True for the host's own plugin alone: another one has a process of its own anyway, or might disturb itself
+ * by what it writes, as the layer its recording. */
+static bool can_share(const hs_run *run) {
+    const hs_guard_options as_usual = {.choice = HS_GUARD_AUTO};
+    return run->request.alone && run->has_plugin && !hs_is_guarded(&run->plugin) &&
+           !hs_guard_wanted(&as_usual, run->plugin.path);
+}
+
 static bool open_loop(hs_run *run, hs_error *err) {
     const hs_child_limits mute = {.voice = HS_CHILD_MUTE};
     hs_child child = {0};
     hs_error ignored = {0}; /* without a child it only takes longer */
     const double begin = hs_now();
     bool ok = hs_cl_open(&run->cl, err);
-    const bool shared = run->request.alone && run->has_plugin && !hs_is_guarded(&run->plugin);
-    if (ok && shared && !hs_child_is_one() && hs_now() - begin > COLD_S &&
+    if (ok && can_share(run) && !hs_child_is_one() && hs_now() - begin > COLD_S &&
         hs_child_again(&child, &mute, NULL, 0, &ignored)) {
         ok = compile_host(run, err);
         hs_child_wait_end(&child, LONGEST_S);
