@@ -19,7 +19,6 @@ loader=$(ldconfig -p | awk '$1 == "libOpenCL.so.1" && !n++ { print $NF }')
     printf 'LIBRARY OpenCL.dll\nEXPORTS\n'
     nm -D --defined-only "$loader" | awk '$3 ~ /^cl[A-Z]/ { sub(/@.*/, "", $3); print $3 }' | sort -u
 } > "$root/OpenCL.def"
-scripts/windows_libraries.sh "$root"
 x86_64-w64-mingw32-dlltool -d "$root/OpenCL.def" -l "$root/lib/libOpenCL.a"
 
 cross() { # cross SOURCE FOLDER ARGUMENT...: configures and builds; CMake's own output only if it fails
@@ -28,13 +27,16 @@ cross() { # cross SOURCE FOLDER ARGUMENT...: configures and builds; CMake's own 
         -D CMAKE_BUILD_TYPE=Release "${@:3}" 2>&1 && cmake --build "$out/$2" 2>&1) || { echo "$log"; exit 1; }
     if grep -E 'warning:' <<< "$log"; then echo "windows: warnings in $1" >&2; exit 1; fi
 }
-cross . plugin -D SV_WERROR="${SV_WERROR:-OFF}"
+scripts/windows_libraries.sh "$root" & # which waits for a network, and which no example needs
+libraries=$!
 here=(-D "CMAKE_PREFIX_PATH=$build" -D CMAKE_EXE_LINKER_FLAGS=-static -D CMAKE_MODULE_LINKER_FLAGS=-static)
 for example in small_host queue_host template first_edge kernel_edge cpp; do cross examples/$example $example "${here[@]}"; done
 
 # The same in C++ for this machine, to compare with.
 cmake -S examples/cpp -B "$out/cpp_here" -G Ninja -D "CMAKE_PREFIX_PATH=$build" > /dev/null
 cmake --build "$out/cpp_here" > /dev/null
+wait $libraries
+cross . plugin -D SV_WERROR="${SV_WERROR:-OFF}"
 
 for library in smartvis smartvis_check; do
     exports=$(x86_64-w64-mingw32-objdump -p "$out/plugin/$library.dll" | sed -n '/\[Ordinal\/Name Pointer\]/,/^$/s/.*\] //p')
