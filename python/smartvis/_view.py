@@ -68,7 +68,8 @@ class Camera:
             y, x = np.mgrid[top : min(top + rows, height), :width]
             for z in range(slices):
                 at = [offset[k] + y * matrix[k, 1] + z * matrix[k, 2] + x * matrix[k, 0] for k in range(3)]
-                found = between(values, at[0], at[1])
+                if z == 0 or matrix[:2, 2].any():  # else the rays of all slices are the same
+                    found = between(values, at[0], at[1])
                 out[z, top : top + rows] = (found <= 0) | (at[2] >= found)
         return out
 
