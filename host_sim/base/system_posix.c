@@ -141,6 +141,10 @@ bool sys_environment(const char *name, char *value, size_t bytes) {
     return false;
 }
 
+void sys_set_default(const char *name, const char *value) {
+    (void)setenv(name, value, 0);
+}
+
 static void (*last_work)(void);
 
 /* Calls what a handler may call only, then lets the signal do what it does. */
@@ -176,10 +180,6 @@ void sys_aligned_free(void *memory) {
 
 FILE *sys_memory_open(char **text, size_t *bytes) {
     return open_memstream(text, bytes);
-}
-
-void sys_set_default(const char *name, const char *value) {
-    (void)setenv(name, value, 0);
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): the other system writes there */

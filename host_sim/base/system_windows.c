@@ -249,6 +249,10 @@ bool sys_environment(const char *name, char *value, size_t bytes) {
     return fits;
 }
 
+void sys_set_default(const char *name, const char *value) {
+    if (!getenv(name)) (void)_putenv_s(name, value);
+}
+
 static void (*last_work)(void);
 
 static BOOL WINAPI end(DWORD event) {
@@ -309,10 +313,6 @@ FILE *sys_memory_open(char **text, size_t *bytes) {
     *text = NULL;
     *bytes = 0;
     return file >= 0 ? _fdopen(file, "w+b") : NULL;
-}
-
-void sys_set_default(const char *name, const char *value) {
-    if (!getenv(name)) (void)_putenv_s(name, value);
 }
 
 bool sys_memory_close(FILE *stream, char **text, size_t *bytes) {

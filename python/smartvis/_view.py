@@ -63,14 +63,17 @@ class Camera:
         out = np.empty(self.source_shape, bool)
         slices, height, width = self.source_shape
         values = depth.astype(np.float64)
+
+        def place(axis: int, x: Any, y: Any, z: int) -> Any:
+            return offset[axis] + y * matrix[axis, 1] + z * matrix[axis, 2] + x * matrix[axis, 0]
+
         rows = _PIECE // width + 1
         for top in range(0, height, rows):
             y, x = np.mgrid[top : min(top + rows, height), :width]
             for z in range(slices):
-                at = [offset[k] + y * matrix[k, 1] + z * matrix[k, 2] + x * matrix[k, 0] for k in range(3)]
                 if z == 0 or matrix[:2, 2].any():  # else the rays of all slices are the same
-                    found = between(values, at[0], at[1])
-                out[z, top : top + rows] = (found <= 0) | (at[2] >= found)
+                    found = between(values, place(0, x, y, z), place(1, x, y, z))
+                out[z, top : top + rows] = (found <= 0) | (place(2, x, y, z) >= found)
         return out
 
     def from_volume(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
