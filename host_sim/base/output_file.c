@@ -46,7 +46,7 @@ static int create_temporary(hs_output_file *output, const char *path) {
     errno = ENOMEM;
     if (stem && output->temporary) {
         (void)snprintf(stem, bytes, "%s.tmp", path);
-        descriptor = hs_path_first(stem, "", output->temporary, bytes);
+        descriptor = hs_path_first(stem, output->temporary, bytes);
     }
     if (descriptor >= 0) remember(output->temporary);
     free(stem);

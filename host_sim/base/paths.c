@@ -25,10 +25,10 @@ static bool make_folders(const char *path, hs_error *err) {
     return true;
 }
 
-int hs_path_first(const char *stem, const char *ending, char *out, size_t bytes) {
+int hs_path_first(const char *stem, char *out, size_t bytes) {
     int file = -1;
     for (unsigned i = 0; file < 0 && i < 1000; i++) {
-        const int length = snprintf(out, bytes, "%s%u%s", stem, i, ending);
+        const int length = snprintf(out, bytes, "%s%u", stem, i);
         errno = ENAMETOOLONG;
         if (length < 0 || (size_t)length >= bytes) break;
         file = sys_open(out, SYS_FIRST);
@@ -40,7 +40,7 @@ int hs_path_first(const char *stem, const char *ending, char *out, size_t bytes)
 bool hs_path_make_folder(const char *path, hs_error *err) {
     char stem[SYS_PATH], probe[SYS_PATH];
     if (!make_folders(path, err) || !hs_path_join(path, ".host_sim_", stem, sizeof stem, err)) return false;
-    const int file = hs_path_first(stem, "", probe, sizeof probe);
+    const int file = hs_path_first(stem, probe, sizeof probe);
     if (file < 0) return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot write there: %s", path, strerror(errno));
     (void)close(file);
     (void)sys_remove(probe);
@@ -52,13 +52,4 @@ bool hs_path_join(const char *folder, const char *name, char *out, size_t bytes,
     return (length >= 0 && (size_t)length < bytes) ||
            hs_fail(err, HS_ERR_OUTPUT, "%s/%s: the path is longer than %zu characters", folder, name,
                    bytes - 1);
-}
-
-int hs_path_temporary(const char *stem, const char *ending, char *out, size_t bytes, hs_error *err) {
-    char folder[SYS_PATH], whole[SYS_PATH];
-    const bool set = sys_environment("TMPDIR", folder, sizeof folder);
-    if (!hs_path_join(set ? folder : "/tmp", stem, whole, sizeof whole, err)) return -1;
-    const int file = hs_path_first(whole, ending, out, bytes);
-    if (file < 0) (void)hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be made: %s", out, strerror(errno));
-    return file;
 }

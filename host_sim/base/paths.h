@@ -13,13 +13,9 @@ bool hs_path_make_folder(const char *path, hs_error *err);
 /* Writes "<folder>/<name>" to out; HS_ERR_OUTPUT if it is longer than `bytes`. */
 bool hs_path_join(const char *folder, const char *name, char *out, size_t bytes, hs_error *err);
 
-/* Makes an empty file "<stem><number><ending>" that no other has, and writes its path to out. Returns its
- * descriptor, for writing; -1 with errno. */
-int hs_path_first(const char *stem, const char *ending, char *out, size_t bytes);
-
-/* The same in $TMPDIR or /tmp. Returns its descriptor; -1 with HS_ERR_OUTPUT. The caller closes it and
- * removes the file. */
-int hs_path_temporary(const char *stem, const char *ending, char *out, size_t bytes, hs_error *err);
+/* Makes an empty file "<stem><number>" that no other has, and writes its path to out. Returns its descriptor,
+ * for writing; -1 with errno. */
+int hs_path_first(const char *stem, char *out, size_t bytes);
 
 /* Writes "<folder of the running program>/<name>" to out: what was moved together is found together. False if
  * the program cannot be told (no /proc) or the path is longer than `bytes`; out is then "". */

@@ -41,6 +41,11 @@ bool wall_case_files(const char *files, wall_case *out, hs_error *err);
  * there, are the admissible depths. */
 bool wall_case_read(const char *folder, const char *name, wall_case *out, hs_error *err);
 
+/* Makes an empty file "<$TMPDIR or /tmp>/<stem>_<six characters><ending>" that no other has and only its
+ * owner may read, and writes its path to out. Returns its descriptor; -1 with HS_ERR_OUTPUT. The caller
+ * closes it and removes the file. */
+int judge_temporary(const char *stem, const char *ending, char *out, size_t bytes, hs_error *err);
+
 /* Makes a scene of 128^3 voxels. `pose` 0: the scene as its file has it; else fetus, limbs, occluders and sac
  * are shifted (by up to 4 mm), turned (8 degrees) and scaled (4 %), by numbers that `pose` seeds. `frame` of
  * its motion. Zeros at the ends of a ray were not scanned. HS_ERR_INPUT, HS_ERR_OUTPUT, HS_ERR_MEMORY. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "judge/judge.h"
 
-#include "base/paths.h"
 #include "volume/metaimage_write.h"
 
 #include <math.h>
@@ -186,7 +185,7 @@ static bool write_volume(const wall_case *c, char *path, size_t size, hs_error *
         if (c->end[i] > to) to = c->end[i];
     }
     if (from >= to) return hs_fail(err, HS_ERR_INPUT, "%s: nothing of it was scanned", c->name);
-    const int file = hs_path_temporary("occluded", ".mha", path, size, err);
+    const int file = judge_temporary("occluded", ".mha", path, size, err);
     if (file < 0) return false;
     (void)close(file);
     const hs_metaimage_format format = {.type = HS_MET_UCHAR,

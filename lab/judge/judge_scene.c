@@ -4,12 +4,24 @@
 
 #include "base/paths.h"
 
+#include <errno.h>
 #include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 enum { SIDE = 128 }; /* voxels an axis */
+
+int judge_temporary(const char *stem, const char *ending, char *out, size_t bytes, hs_error *err) {
+    const char *const folder = getenv("TMPDIR");
+    char name[64];
+    (void)snprintf(name, sizeof name, "%s_XXXXXX%s", stem, ending);
+    if (!hs_path_join(folder ? folder : "/tmp", name, out, bytes, err)) return -1;
+    const int file = mkstemps(out, (int)strlen(ending));
+    if (file < 0) (void)hs_fail(err, HS_ERR_OUTPUT, "%s: cannot be made: %s", out, strerror(errno));
+    return file;
+}
 
 /* -1 .. 1 */
 static double random_number(uint64_t *state) {
@@ -56,7 +68,7 @@ static bool write_pose(const char *name, uint32_t pose, char *path, size_t size,
     size_t i;
     json_t *structure;
     json_array_foreach(json_object_get(root, "structures"), i, structure) shift_structure(structure, &state);
-    const int file = hs_path_temporary("surfaces", ".json", path, size, err);
+    const int file = judge_temporary("surfaces", ".json", path, size, err);
     const bool written = file >= 0 && json_dumpfd(root, file, JSON_INDENT(1)) == 0;
     if (file >= 0) (void)close(file);
     json_decref(root);
