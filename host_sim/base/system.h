@@ -91,6 +91,9 @@ bool sys_environment(const char *name, char *value, size_t bytes);
 /* Sets a variable, unless it is set. */
 void sys_set_default(const char *name, const char *value);
 
+/* From now on a fault ends the program at once: nobody debugs it, and no memory is written to a file. */
+void sys_end_at_fault(void);
+
 /* Before Ctrl-C or the system's request ends the program, unless it is ignored or somebody else wants it,
  * `clean_up` removes files: on any thread, amid anything. */
 void sys_when_ended(void (*clean_up)(void));

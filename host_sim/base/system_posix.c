@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -143,6 +144,11 @@ bool sys_environment(const char *name, char *value, size_t bytes) {
 
 void sys_set_default(const char *name, const char *value) {
     (void)setenv(name, value, 0);
+}
+
+void sys_end_at_fault(void) {
+    const struct rlimit none = {0, 0};
+    (void)setrlimit(RLIMIT_CORE, &none);
 }
 
 static void (*last_work)(void);

@@ -253,6 +253,15 @@ void sys_set_default(const char *name, const char *value) {
     if (!getenv(name)) (void)_putenv_s(name, value);
 }
 
+static LONG WINAPI end_by_fault(EXCEPTION_POINTERS *fault) {
+    (void)TerminateProcess(GetCurrentProcess(), fault->ExceptionRecord->ExceptionCode);
+    return EXCEPTION_CONTINUE_SEARCH;
+}
+
+void sys_end_at_fault(void) {
+    (void)SetUnhandledExceptionFilter(end_by_fault);
+}
+
 static void (*last_work)(void);
 
 static BOOL WINAPI end(DWORD event) {

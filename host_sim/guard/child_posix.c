@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -102,11 +101,6 @@ static void end_leftovers(pid_t pid) {
 
 /* ------------------------------------------------------------------------------------ in the child -- */
 
-static void set_limit(__rlimit_resource_t what, rlim_t soft, rlim_t hard) {
-    const struct rlimit limit = {soft, hard};
-    (void)setrlimit(what, &limit);
-}
-
 /* Between fork and what comes next: calls that are safe there only. */
 static void prepare_child(pid_t parent) {
     static const int reset[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL};
@@ -117,7 +111,6 @@ static void prepare_child(pid_t parent) {
     for (size_t i = 0; i < sizeof reset / sizeof *reset; i++) (void)signal(reset[i], SIG_DFL);
     (void)sigemptyset(&none);
     (void)sigprocmask(SIG_SETMASK, &none, NULL);
-    set_limit(RLIMIT_CORE, 0, 0);
     const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
     if (nothing >= 0) (void)dup2(nothing, STDIN_FILENO);
 }

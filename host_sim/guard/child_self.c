@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* How a program knows that it is a child, and where its handles are. */
+#include "base/system.h"
 #include "guard/child_system.h"
 
 #include <inttypes.h>
@@ -30,6 +31,7 @@ bool hs_child_take(int *argc, char **argv) {
         last = end;
     }
     argv[--*argc] = NULL;
+    sys_end_at_fault();
     return true;
 }
 
