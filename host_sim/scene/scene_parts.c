@@ -6,6 +6,29 @@
 #include <math.h>
 #include <string.h>
 
+bool hs_scene_read_tissue(const hs_json *v, const hs_json_field *f, void *to) {
+    uint32_t word;
+    (void)f;
+    if (!hs_json_word(v, hs_tissue_names, HS_TISSUE_COUNT, &word)) return false;
+    *(hs_tissue *)to = (hs_tissue)word;
+    return true;
+}
+
+/* At least two. */
+static bool read_points(const hs_json *v, const hs_json_field *f, void *to) {
+    hs_points *out = to;
+    if (!hs_json_is_array(v, 2, HS_SCENE_MAX_POINTS)) return false;
+    out->count = (uint32_t)json_array_size(v->value);
+    for (uint32_t i = 0; i < out->count; i++) {
+        hs_json point;
+        double p[3];
+        hs_json_element(v, i, &point);
+        if (!hs_json_numbers(&point, 3, f->min, f->max, p)) return false;
+        for (int a = 0; a < 3; a++) out->p[i][a] = (float)p[a];
+    }
+    return true;
+}
+
 static const hs_json_field attenuation_fields[] = {
     FIELD(hs_attenuation_spec, tgc_db_cm_mhz, FLOAT, 0, 5, true),
 };
@@ -116,7 +139,7 @@ bool hs_scene_read_artefacts(const hs_json *array, hs_scene_spec *spec) {
 }
 
 static const hs_json_field occluder_fields[] = {
-    FIELD(hs_occluder_spec, tissue, TISSUE, 0, 0, true),
+    OWN("tissue", hs_occluder_spec, tissue, hs_scene_read_tissue, 0, 0, true),
     NAMED("centre_mm", hs_occluder_spec, centre, FLOAT, -400, 800, true),
     NAMED("radii_mm", hs_occluder_spec, radii, FLOAT, 0.2, 400, true),
     NAMED("rotation_deg", hs_occluder_spec, rotation, FLOAT, -360, 360, false),
@@ -127,7 +150,7 @@ static const hs_json_field occluder_fields[] = {
 };
 
 static const hs_json_field cord_fields[] = {
-    NAMED("points_mm", hs_cord_spec, points, POINTS, -400, 800, true),
+    OWN("points_mm", hs_cord_spec, points, read_points, -400, 800, true),
     FIELD(hs_cord_spec, radius_mm, FLOAT, 0.3, 20, true),
     FIELD(hs_cord_spec, twist_mm, FLOAT, 1, 400, false),
 };

@@ -76,7 +76,7 @@ typedef struct {
     float thickness_mm;
 } layer;
 static const hs_json_field layer_fields[] = {
-    FIELD(layer, tissue, TISSUE, 0, 0, true),
+    OWN("tissue", layer, tissue, hs_scene_read_tissue, 0, 0, true),
     FIELD(layer, thickness_mm, FLOAT, 0, 200, true),
 };
 

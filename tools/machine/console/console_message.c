@@ -3,8 +3,8 @@
  * range is an error that names it. */
 #include "console/console.h"
 
+#include "base/json_fields.h"
 #include "scene/scene.h"
-#include "scene/scene_json.h"
 
 #include <jansson.h>
 #include <stdint.h>

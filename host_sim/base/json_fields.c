@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Typed fields of JSON text. */
-#include "scene/scene_json.h"
-
-#include "scene/scene_spec.h"
+#include "base/json_fields.h"
 
 #include <stdarg.h>
 #include <stdbool.h>
@@ -138,24 +135,10 @@ bool hs_json_word(const hs_json *v, const char *const *words, uint32_t count, ui
                         all);
 }
 
-static bool points(const hs_json *v, const hs_json_field *f, hs_points *out) {
-    if (!hs_json_is_array(v, 2, HS_SCENE_MAX_POINTS)) return false;
-    out->count = (uint32_t)json_array_size(v->value);
-    for (uint32_t i = 0; i < out->count; i++) {
-        hs_json point;
-        double p[3];
-        hs_json_element(v, i, &point);
-        if (!hs_json_numbers(&point, 3, f->min, f->max, p)) return false;
-        for (int a = 0; a < 3; a++) out->p[i][a] = (float)p[a];
-    }
-    return true;
-}
-
 static bool read_field(const hs_json *v, const hs_json_field *f, void *out) {
     if (f->kind == HS_FIELD_OTHER) return true; /* its reader has it; there may be no `out` */
     char *to = (char *)out + f->offset;
     uint64_t n = 0;
-    uint32_t word;
     switch (f->kind) {
     case HS_FIELD_UINT:
         if (!integer(v, f, &n)) return false;
@@ -168,12 +151,8 @@ static bool read_field(const hs_json *v, const hs_json_field *f, void *out) {
         return json_is_boolean(v->value) || hs_json_fail(v, "is %s, expected true or false", found(v->value));
     case HS_FIELD_TEXT:
         return text(v, f->bytes, to);
-    case HS_FIELD_TISSUE:
-        if (!hs_json_word(v, hs_tissue_names, HS_TISSUE_COUNT, &word)) return false;
-        *(hs_tissue *)(void *)to = (hs_tissue)word;
-        return true;
-    case HS_FIELD_POINTS:
-        return points(v, f, (hs_points *)(void *)to);
+    case HS_FIELD_OWN:
+        return f->read(v, f, to);
     default:
         return numbers(v, f, to);
     }
