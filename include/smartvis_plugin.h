@@ -138,8 +138,8 @@
  *     external memory
  *
  * WHERE HOSTS LOOK for plugins is up to them. By convention a host that scans for them reads the folders of
- * the environment variable SMARTVIS_PLUGIN_PATH (separated by ':', on Windows by ';'), then
- * /usr/local/lib/smartvis and /usr/lib/smartvis. A plugin is a file there that exports
+ * the environment variable SMARTVIS_PLUGIN_PATH (separated by ':', on Windows by ';'), then, but not on
+ * Windows, /usr/local/lib/smartvis and /usr/lib/smartvis. A plugin is a file there that exports
  * smartvis_plugin_entry; its name does not matter.
  *
  * Source: "Application of Smart Visibility on Medical 3D Ultrasound Datasets" (diploma thesis, Vienna

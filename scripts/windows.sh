@@ -80,8 +80,14 @@ plays() {
     [ "$said" = "$1" ] || { echo "windows: ${*:2}: $said, expected $1" >&2; return 1; }
 }
 # Recordings, both ways: what this machine records is the same there, bit for bit; and played there through the layer, which keeps the
-# last two frames of it, it is a recording that is the same here.
+# last two frames of it, it is a recording that is the same here. That file was there before, and a program that scans files has it open.
 replay=$out/plugin/sv_replay.exe
+printf '#include <stdio.h>\n#include <windows.h>\nint main(int n, char **of) {\n    return n < 2 || CreateFileA(of[1], GENERIC_READ, 7, 0, %s\n}\n' \
+    'OPEN_EXISTING, 0, 0) == INVALID_HANDLE_VALUE || puts("open") < 0 || fflush(stdout) || (Sleep(60000), 0);' > "$out/holds.c"
+x86_64-w64-mingw32-gcc -O2 "$out/holds.c" -o "$out/holds.exe"
+: > "$out/fötus/back.svr"
+(cd "$out/fötus" && exec wine "$out/holds.exe" back.svr) > "$out/holds.txt" 2> "$out/there.log" &
+holder=$!
 for method in mean minimum spline wall; do
     record=$out/$method.svr
     SMARTVIS_RECORD=$record "$build/host_sim" run --scene D01 --size 96 --picture 96 --few-pictures --frames 3 --no-guard \
@@ -89,10 +95,12 @@ for method in mean minimum spline wall; do
     plays "the same" wine "$replay" "$record" --plugin "$out/fötus/smartvis.dll"
     SMARTVIS_RECORD=$out/fötus/back.svr SMARTVIS_RECORD_OPTIONS=frames=2 wine "$replay" "$record" --plugin "$out/plugin/smartvis_check.dll" \
         > "$out/there.txt" 2>&1 || true # its own lines are not recorded
+    [ "$(stat -c %a "$out/fötus/back.svr")" = 0 ] || { echo "windows: back.svr: others may read it" >&2; exit 1; }
     chmod u+rw "$out/fötus/back.svr" # wine reads "only for its owner" as nobody
     plays "the same" "$build/sv_replay" "$out/fötus/back.svr"
     echo "windows: D01 by $method: recordings are the same, both ways"
 done
+grep -q open "$out/holds.txt" && kill "$holder" || { echo "windows: back.svr was not held open" >&2; exit 1; }
 # A plugin that crashes, leaves or hangs in slab ends the process that plays, and is named.
 SMARTVIS_CHECK_PLUGIN=$build/tests/plugins/plane.so SMARTVIS_RECORD=$out/plane.svr "$build/host_sim" run --scene E01 --size 32 --frames 2 \
     --picture 32 --few-pictures --no-guard --plugin "$build/smartvis_check.so" --out "$out/run" > "$out/here.txt" 2>&1
@@ -120,7 +128,7 @@ done < <(sed -n 's/^    {"\([a-z0-9_]*\)".*/\1/p' tests/machine/plugins/plane.c)
 echo "windows: plugins that crash, leave and hang are named, and host_sim renders unclipped"
 # Paths that Windows reads otherwise: a device, a stream, a folder, a name that is longer than a path, and what is not there.
 long=$(printf 'n%.0s' {1..300})
-for path in CON nul.svr "$record:stream" "$out" "$out/$long.svr" 'C:\missing.svr' '\\.\pipe\none'; do ends 3 "$replay" "$path"; done
+for path in CON nul.svr "$record:stream" "$record." "$out" "$out/$long.svr" 'C:\missing.svr' 'C:plane.svr' '\\.\pipe\none'; do ends 3 "$replay" "$path"; done
 echo "windows: devices, streams and long names are refused"
 
 # sv_validate: right plugins pass, and each wrong one fails by the check that names its fault. docs/systems.md tells of those left out.

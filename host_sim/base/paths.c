@@ -22,7 +22,7 @@ static bool make_folders(const char *path, hs_error *err) {
         if (!sys_make_folder(prefix))
             return hs_fail(err, HS_ERR_OUTPUT, "%s: cannot make the folder: %s", prefix, strerror(errno));
     }
-    return true;
+    return sys_is_folder(path) || hs_fail(err, HS_ERR_OUTPUT, "%s: is no folder", path); /* "C:", or a file */
 }
 
 int hs_path_first(const char *stem, char *out, size_t bytes) {

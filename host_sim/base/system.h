@@ -33,7 +33,6 @@ bool sys_is_file(const char *path);
 
 bool sys_is_folder(const char *path);
 bool sys_is_there(const char *path);
-bool sys_is_readable(const char *path);
 
 /* True for a folder that is there, too. */
 bool sys_make_folder(const char *path);
@@ -50,13 +49,16 @@ ptrdiff_t sys_read_at(int file, void *out, size_t bytes, uint64_t at);
 /* True if both are there and are one file. */
 bool sys_same_file(const char *a, const char *b);
 
-/* Renames a file that is not open, over another one if there is one. */
+/* Renames a file that is not open, over another one if there is one, also over an open one. */
 bool sys_replace(const char *from, const char *to);
 
 bool sys_is_absolute(const char *path);
 
 /* The whole path of a file that is there, without links; the caller's to free. NULL. */
 char *sys_full_path(const char *path);
+
+/* Where plugins are looked for, after the folders that the user names. NULL ends them. */
+extern const char *const sys_plugin_folders[];
 
 /* What parts the paths of a list: ':'. */
 extern const char sys_list_separator[];
@@ -77,7 +79,6 @@ void sys_own_folder(const void *inside, char *folder, size_t bytes);
 void sys_close_when_unloaded(void *library);
 
 /* Whole pages of memory, zeroed; NULL. Pages that are forbidden end who touches them. */
-size_t sys_page(void);
 void *sys_pages(size_t bytes);
 void sys_pages_forbid(void *at, size_t bytes);
 void sys_pages_free(void *at, size_t bytes);
@@ -103,11 +104,6 @@ unsigned sys_processors(void);
 /* NULL: no memory. */
 void *sys_aligned(size_t alignment, size_t bytes);
 void sys_aligned_free(void *memory);
-
-/* open_memstream, and its fclose: the same two pointers for both. The text ends with a 0 and is the caller's.
- * NULL, false: no memory. */
-FILE *sys_memory_open(char **text, size_t *bytes);
-bool sys_memory_close(FILE *stream, char **text, size_t *bytes);
 
 /* Closes all but standard input, output and error, where the system has files that a caller left open by
  * mistake. */

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 const char sys_library_ending[] = ".so", sys_list_separator[] = ":", sys_separators[] = "/";
+const char *const sys_plugin_folders[] = {"/usr/local/lib/smartvis", "/usr/lib/smartvis", NULL};
 
 int sys_open(const char *path, sys_way way) {
     static const int flags[] = {[SYS_READ] = O_RDONLY,
@@ -22,9 +23,13 @@ int sys_open(const char *path, sys_way way) {
                                 [SYS_FIRST] = O_WRONLY | O_CREAT | O_EXCL};
     struct stat found;
     const int file = open(path, flags[way] | O_CLOEXEC | O_NONBLOCK, way == SYS_FIRST ? 0666 : 0600);
-    if (file < 0 || (fstat(file, &found) == 0 && S_ISREG(found.st_mode))) return file;
+    if (file < 0) return -1;
+    const bool regular = fstat(file, &found) == 0 && S_ISREG(found.st_mode);
+    if (regular && (way != SYS_NEW || fchmod(file, 0600) == 0))
+        return file; /* one that was there keeps its mode */
+    const int why = regular ? errno : EINVAL;
     (void)close(file);
-    errno = EINVAL;
+    errno = why;
     return -1;
 }
 
@@ -40,10 +45,6 @@ bool sys_is_folder(const char *path) {
 
 bool sys_is_there(const char *path) {
     return access(path, F_OK) == 0;
-}
-
-bool sys_is_readable(const char *path) {
-    return access(path, R_OK) == 0;
 }
 
 bool sys_make_folder(const char *path) {
@@ -113,10 +114,6 @@ void sys_close_when_unloaded(void *library) {
     if (library) (void)dlclose(library);
 }
 
-size_t sys_page(void) {
-    return (size_t)sysconf(_SC_PAGESIZE);
-}
-
 void *sys_pages(size_t bytes) {
     void *at = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     return at == MAP_FAILED ? NULL : at;
@@ -182,17 +179,6 @@ void *sys_aligned(size_t alignment, size_t bytes) {
 
 void sys_aligned_free(void *memory) {
     free(memory);
-}
-
-FILE *sys_memory_open(char **text, size_t *bytes) {
-    return open_memstream(text, bytes);
-}
-
-/* NOLINTNEXTLINE(readability-non-const-parameter): the other system writes there */
-bool sys_memory_close(FILE *stream, char **text, size_t *bytes) {
-    (void)text;
-    (void)bytes;
-    return fclose(stream) == 0;
 }
 
 void sys_close_others(void) {

@@ -16,6 +16,7 @@
 #include <shellapi.h>
 
 const char sys_library_ending[] = ".dll", sys_list_separator[] = ";", sys_separators[] = "/\\";
+const char *const sys_plugin_folders[] = {NULL}; /* at a drive's root anybody may make a folder */
 
 /* A colon names a drive, also behind "//?/". Any other one would name a stream, which nobody sees. */
 static bool names_stream(const char *path) {
@@ -24,20 +25,44 @@ static bool names_stream(const char *path) {
     return colon && colon != path + (prefixed ? 5 : 1);
 }
 
-/* False: not UTF-8, a stream, or too long. What is longer than old programs may name becomes a whole path of
- * the kind that has no such limit. */
+/* A drive has a folder of its own, in which "C:name" lies; who reads the path does not see which. */
+static bool lacks_folder(const char *path) {
+    return path[0] != '\0' && path[1] == ':' && strspn(path + 2, sys_separators) == 0;
+}
+
+/* Windows leaves out dots and spaces at the end of a name, and so opens another file. */
+static bool names_another(const char *path) {
+    size_t length;
+    for (; *path; path += length + strspn(path + length, sys_separators)) {
+        length = strcspn(path, sys_separators);
+        const size_t dots = length < 3 ? strspn(path, ".") : 0;
+        if (dots < length && length > 0 && strchr(". ", path[length - 1])) return true;
+    }
+    return false;
+}
+
+static bool refuse(int why) {
+    errno = why;
+    return false;
+}
+
+static bool to_wide(const char *text, wchar_t wide[SYS_PATH]) {
+    return MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, text, -1, wide, SYS_PATH) > 0 ||
+           refuse(GetLastError() == ERROR_INSUFFICIENT_BUFFER ? ENAMETOOLONG : EILSEQ);
+}
+
+/* False: not UTF-8, too long, or what opens another file than it says. What is longer than old programs may
+ * name becomes a whole path of the kind that has no such limit. */
 static bool widen(const char *path, wchar_t wide[SYS_PATH]) {
     enum { OLD_MAX = 240, PREFIX = 4 };
     wchar_t whole[SYS_PATH];
-    errno = EINVAL;
-    if (names_stream(path)) return false;
-    const int length = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, SYS_PATH);
-    errno = GetLastError() == ERROR_INSUFFICIENT_BUFFER ? ENAMETOOLONG : EILSEQ;
-    if (length <= OLD_MAX) return length > 0;
+    if (names_stream(path) || lacks_folder(path) || names_another(path)) return refuse(EINVAL);
+    if (!to_wide(path, wide)) return false;
     const DWORD full = GetFullPathNameW(wide, SYS_PATH - PREFIX, whole, NULL);
-    errno = ENAMETOOLONG;
-    if (full == 0 || full >= SYS_PATH - PREFIX) return false;
-    (void)_snwprintf(wide, SYS_PATH, L"%ls%ls", whole[1] == L':' ? L"\\\\?\\" : L"", whole);
+    if (full == 0) return refuse(path[0] ? EINVAL : ENOENT);
+    if (full >= SYS_PATH - PREFIX) return refuse(ENAMETOOLONG);
+    if (full > OLD_MAX)
+        (void)_snwprintf(wide, SYS_PATH, L"%ls%ls", whole[1] == L':' ? L"\\\\?\\" : L"", whole);
     return true;
 }
 
@@ -46,6 +71,9 @@ static bool fail(void) {
     errno = error == ERROR_FILE_NOT_FOUND || error == ERROR_PATH_NOT_FOUND ? ENOENT
             : error == ERROR_FILE_EXISTS || error == ERROR_ALREADY_EXISTS  ? EEXIST
             : error == ERROR_DISK_FULL                                     ? ENOSPC
+            : error == ERROR_SHARING_VIOLATION                             ? EBUSY
+            : error == ERROR_NOT_ENOUGH_MEMORY                             ? ENOMEM
+            : error == ERROR_COMMITMENT_LIMIT                              ? ENOMEM
             : error == ERROR_INVALID_NAME                                  ? EINVAL
             : error == ERROR_FILENAME_EXCED_RANGE                          ? ENAMETOOLONG
                                                                            : EACCES;
@@ -86,7 +114,15 @@ int sys_open(const char *path, sys_way way) {
     if (!ConvertStringSecurityDescriptorToSecurityDescriptorW(L"D:P(A;;FA;;;OW)", SDDL_REVISION_1,
                                                               &owner.lpSecurityDescriptor, NULL))
         return fail() - 1;
-    const int file = open_file(wide, GENERIC_READ | GENERIC_WRITE, CREATE_ALWAYS, &owner);
+    int file = open_file(wide, GENERIC_READ | GENERIC_WRITE | WRITE_DAC, CREATE_ALWAYS, &owner);
+    if (file >= 0 &&
+        !SetKernelObjectSecurity((HANDLE)_get_osfhandle(file), /* one that was there keeps its own */
+                                 DACL_SECURITY_INFORMATION | PROTECTED_DACL_SECURITY_INFORMATION,
+                                 owner.lpSecurityDescriptor)) {
+        (void)fail();
+        (void)_close(file);
+        file = -1;
+    }
     (void)LocalFree(owner.lpSecurityDescriptor);
     return file;
 }
@@ -104,11 +140,6 @@ bool sys_is_folder(const char *path) {
 bool sys_is_there(const char *path) {
     wchar_t wide[SYS_PATH];
     return widen(path, wide) && (has_attribute(wide, ~0u) || fail());
-}
-
-bool sys_is_readable(const char *path) {
-    const int file = sys_open(path, SYS_READ);
-    return file >= 0 ? _close(file) == 0 : sys_is_folder(path);
 }
 
 /* "//server" and "C:" are there, or what is made below says so. */
@@ -162,10 +193,22 @@ bool sys_same_file(const char *a, const char *b) {
            one.nFileIndexHigh == other.nFileIndexHigh && one.nFileIndexLow == other.nFileIndexLow;
 }
 
+/* Nothing is renamed over a file that somebody has open, but that file itself may be, and goes when it is
+ * closed. */
+static bool replace_open(const wchar_t *from, const wchar_t *to) {
+    wchar_t aside[SYS_PATH];
+    (void)_snwprintf(aside, SYS_PATH, L"%ls.%lu", to, GetCurrentProcessId());
+    aside[SYS_PATH - 1] = L'\0';
+    if (!MoveFileExW(to, aside, 0)) return fail();
+    const bool ok = MoveFileExW(from, to, 0) || fail();
+    (void)(ok ? DeleteFileW(aside) : MoveFileExW(aside, to, 0));
+    return ok;
+}
+
 bool sys_replace(const char *from, const char *to) {
     wchar_t wide_from[SYS_PATH], wide_to[SYS_PATH];
     return widen(from, wide_from) && widen(to, wide_to) &&
-           (MoveFileExW(wide_from, wide_to, MOVEFILE_REPLACE_EXISTING) || fail());
+           (MoveFileExW(wide_from, wide_to, MOVEFILE_REPLACE_EXISTING) || replace_open(wide_from, wide_to));
 }
 
 /* Also of the current drive: what begins with a separator belongs to no other folder. */
@@ -190,7 +233,8 @@ static char *with_slashes(const wchar_t *wide) {
 
 char *sys_full_path(const char *path) {
     wchar_t wide[SYS_PATH], full[SYS_PATH];
-    const DWORD length = widen(path, wide) ? GetFullPathNameW(wide, SYS_PATH, full, NULL) : 0;
+    const DWORD length =
+        sys_is_there(path) && widen(path, wide) ? GetFullPathNameW(wide, SYS_PATH, full, NULL) : 0;
     return length > 0 && length < SYS_PATH ? with_slashes(full) : NULL;
 }
 
@@ -241,7 +285,7 @@ void sys_close_when_unloaded(void *library) {
 
 bool sys_environment(const char *name, char *value, size_t bytes) {
     wchar_t wide[SYS_PATH];
-    const wchar_t *set = widen(name, wide) ? _wgetenv(wide) : NULL;
+    const wchar_t *set = to_wide(name, wide) ? _wgetenv(wide) : NULL;
     char *found = set ? narrow(set) : NULL;
     const bool fits = found && strlen(found) < bytes;
     (void)snprintf(value, bytes, "%s", fits ? found : "");
@@ -289,12 +333,6 @@ void sys_aligned_free(void *memory) {
     _aligned_free(memory);
 }
 
-size_t sys_page(void) {
-    SYSTEM_INFO info;
-    GetSystemInfo(&info);
-    return info.dwPageSize;
-}
-
 void *sys_pages(size_t bytes) {
     return VirtualAlloc(NULL, bytes, MEM_RESERVE | MEM_COMMIT, PAGE_READWRITE);
 }
@@ -315,30 +353,6 @@ int sys_temporary(void) {
     const HANDLE handle = CreateFileW(name, GENERIC_READ | GENERIC_WRITE, 0, NULL, CREATE_ALWAYS,
                                       FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
     return handle != INVALID_HANDLE_VALUE ? _open_osfhandle((intptr_t)handle, O_BINARY) : -1;
-}
-
-FILE *sys_memory_open(char **text, size_t *bytes) {
-    const int file = sys_temporary();
-    *text = NULL;
-    *bytes = 0;
-    return file >= 0 ? _fdopen(file, "w+b") : NULL;
-}
-
-bool sys_memory_close(FILE *stream, char **text, size_t *bytes) {
-    const bool written = fflush(stream) == 0 && ferror(stream) == 0;
-    const long long length = _filelengthi64(_fileno(stream));
-    char *whole = written && length >= 0 ? malloc((size_t)length + 1) : NULL;
-    rewind(stream);
-    const bool ok = whole && fread(whole, 1, (size_t)length, stream) == (size_t)length;
-    (void)fclose(stream);
-    if (!ok) {
-        free(whole);
-        return false;
-    }
-    whole[length] = '\0';
-    *text = whole;
-    *bytes = (size_t)length;
-    return true;
 }
 
 /* A handle is inherited only if the caller wants it. */

@@ -34,11 +34,11 @@ static bool own_folder(char *out, size_t bytes) {
     return length >= 0 && (size_t)length < bytes;
 }
 
-/* True for a folder of the list, which has its turn there. */
-static bool is_one_of(const char *folder, const char *const *list, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        if (strcmp(folder, list[i]) == 0) return true;
-    return false;
+/* True for a folder that has its turn later. */
+static bool comes_later(const char *folder) {
+    const char *const *later = sys_plugin_folders;
+    while (*later && strcmp(folder, *later) != 0) later++;
+    return *later != NULL;
 }
 
 /* The folder of that number, 0 first; false behind the last one. Empty parts of the variable are left out. ""
@@ -53,14 +53,14 @@ static bool hs_plugin_folder(unsigned index, char *out, size_t bytes) {
         (void)snprintf(out, bytes, "%.*s", (int)(length < SYS_PATH ? length : SYS_PATH), part);
         return true;
     }
-    static const char *const fixed[] = {"/usr/local/lib/smartvis", "/usr/lib/smartvis"};
     index -= listed;
     if (index == 0) {
-        if (!own_folder(out, bytes) || is_one_of(out, fixed, sizeof fixed / sizeof fixed[0])) out[0] = '\0';
+        if (!own_folder(out, bytes) || comes_later(out)) out[0] = '\0';
         return true;
     }
-    if (index - 1 >= sizeof fixed / sizeof fixed[0]) return false;
-    (void)snprintf(out, bytes, "%s", fixed[index - 1]);
+    for (unsigned i = 0; i < index; i++)
+        if (!sys_plugin_folders[i]) return false;
+    (void)snprintf(out, bytes, "%s", sys_plugin_folders[index - 1]);
     return true;
 }
 

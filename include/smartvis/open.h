@@ -55,7 +55,12 @@ static inline const sv_entry *sv_open(const char *path, void **library, char *wh
         const FARPROC found = GetProcAddress((HMODULE)loaded, SV_ENTRY_SYMBOL);
         memcpy(&entry, &found, sizeof entry); /* an object's address, told as a function's */
     }
-    if (!loaded) (void)snprintf(why, bytes, "%s: Windows' error %lu", path, (unsigned long)GetLastError());
+    const unsigned long reason = loaded ? 0 : GetLastError();
+    if (!loaded)
+        (void)snprintf(why, bytes, "%s: Windows' error %lu%s", path, reason,
+                       reason == 126   ? ": it is not there, or a library that it needs"
+                       : reason == 193 ? ": it is no library for this processor"
+                                       : "");
 #else
     void *loaded = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (loaded) entry = (const sv_entry *)dlsym(loaded, SV_ENTRY_SYMBOL);

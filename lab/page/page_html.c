@@ -5,6 +5,7 @@
 #include "base/system.h"
 #include "picture/picture.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,21 +59,18 @@ static const char head[] =
     "details::details-content{content-visibility:visible;height:auto}}\n"
     "</style>\n<title>";
 
-static bool part_open(hs_page_part *part) {
-    return (part->stream = sys_memory_open(&part->text, &part->bytes)) != NULL;
-}
-
-/* What was written so far is in `text` then. */
-static bool part_close(hs_page_part *part) {
-    const bool ok = part->stream && sys_memory_close(part->stream, &part->text, &part->bytes);
-    part->stream = NULL;
-    return ok;
+static FILE *open_part(hs_page *page) {
+    const int file = page->error.code == HS_OK ? sys_temporary() : -1;
+    FILE *part = file >= 0 ? fdopen(file, "w+b") : NULL;
+    if (!part && page->error.code == HS_OK)
+        (void)hs_fail(&page->error, HS_ERR_OUTPUT, "page: temporary file: %s", strerror(errno));
+    return part;
 }
 
 /* Writes unless something failed before. */
 static void put_bytes(hs_page *page, const void *data, size_t bytes) {
-    if (page->error.code == HS_OK && fwrite(data, 1, bytes, page->to->stream) != bytes)
-        (void)hs_fail(&page->error, HS_ERR_MEMORY, "page: no memory for its text");
+    if (page->error.code == HS_OK && fwrite(data, 1, bytes, page->to) != bytes)
+        (void)hs_fail(&page->error, HS_ERR_OUTPUT, "page: temporary file: %s", strerror(errno));
 }
 
 static void put(hs_page *page, const char *markup) {
@@ -91,14 +89,15 @@ void hs_page_escape(FILE *out, const char *text) {
 }
 
 static void put_text(hs_page *page, const char *text) {
-    if (page->error.code == HS_OK) hs_page_escape(page->to->stream, text);
+    if (page->error.code == HS_OK) hs_page_escape(page->to, text);
 }
 
 void hs_page_open(hs_page *page, const char *path, const char *title) {
-    *page = (hs_page){.to = &page->before};
+    *page = (hs_page){0};
     if (!hs_output_open(&page->output, path, &page->error)) return;
-    if (!part_open(&page->before) || !part_open(&page->contents) || !part_open(&page->after))
-        (void)hs_fail(&page->error, HS_ERR_MEMORY, "page: no memory");
+    page->to = page->before = open_part(page);
+    page->contents = open_part(page);
+    page->after = open_part(page);
     put(page, head);
     put_text(page, title);
     put(page, "</title>\n</head>\n<body>\n<h1>");
@@ -107,7 +106,7 @@ void hs_page_open(hs_page *page, const char *path, const char *title) {
 }
 
 void hs_page_contents(hs_page *page) {
-    page->to = &page->after;
+    page->to = page->after;
 }
 
 /* `open` with the number of the heading after it, the text, `end`. */
@@ -127,10 +126,10 @@ void hs_page_heading(hs_page *page, int level, const char *text) {
         put(page, "</h3>\n");
         return;
     }
-    hs_page_part *const to = page->to;
+    FILE *const to = page->to;
     page->headings++;
     put_numbered(page, "<h2 id=\"part", text, "</h2>\n");
-    page->to = &page->contents;
+    page->to = page->contents;
     put_numbered(page, "<li><a href=\"#part", text, "</a></li>\n");
     page->to = to;
 }
@@ -278,7 +277,7 @@ void hs_page_table_end(hs_page *page) {
 }
 
 FILE *hs_page_stream(hs_page *page) {
-    return page->error.code == HS_OK ? page->to->stream : NULL;
+    return page->error.code == HS_OK ? page->to : NULL;
 }
 
 void hs_page_slider_begin(hs_page *page, const char *label, unsigned count, unsigned shown) {
@@ -328,34 +327,31 @@ static const char slider_script[] =
     "});\n"
     "</script>\n";
 
-static void write_part(hs_page *page, const void *text, size_t bytes) {
-    if (page->error.code == HS_OK) (void)hs_output_write(&page->output, text, bytes, &page->error);
+/* Closes a part; what was written there goes to the page, if it is wanted. */
+static void end_part(hs_page *page, FILE *part, bool wanted) {
+    char block[4096];
+    size_t bytes;
+    bool ok = part && fflush(part) == 0 && fseek(part, 0, SEEK_SET) == 0;
+    while (ok && wanted && page->error.code == HS_OK && (bytes = fread(block, 1, sizeof block, part)) > 0)
+        (void)hs_output_write(&page->output, block, bytes, &page->error);
+    ok = ok && !ferror(part);
+    if (!ok && page->error.code == HS_OK)
+        (void)hs_fail(&page->error, HS_ERR_OUTPUT, "page: temporary file: %s", strerror(errno));
+    if (part) (void)fclose(part);
 }
 
 /* The list of contents stands between the two parts. */
-static void write_parts(hs_page *page) {
-    static const char begin[] = "<nav aria-label=\"Contents\"><ul>\n", end[] = "</ul></nav>\n";
-    write_part(page, page->before.text, page->before.bytes);
-    if (page->to == &page->after && page->headings > 0) {
-        write_part(page, begin, sizeof begin - 1);
-        write_part(page, page->contents.text, page->contents.bytes);
-        write_part(page, end, sizeof end - 1);
-    }
-    write_part(page, page->after.text, page->after.bytes);
-}
-
 bool hs_page_close(hs_page *page, hs_error *err) {
-    hs_page_part *const parts[] = {&page->before, &page->contents, &page->after};
+    const bool listed = page->to == page->after && page->headings > 0;
     if (page->has_slider) put(page, slider_script);
     put(page, "<p>SmartVis is for research. It is not a medical device.</p>\n</body>\n</html>\n");
-    for (int i = 0; i < 3; i++)
-        if (!part_close(parts[i]) && page->error.code == HS_OK)
-            (void)hs_fail(&page->error, HS_ERR_MEMORY, "page: no memory for its text");
-    if (page->error.code == HS_OK) write_parts(page);
-    for (int i = 0; i < 3; i++) {
-        free(parts[i]->text);
-        parts[i]->text = NULL;
-    }
+    page->to = page->before;
+    if (listed) put(page, "<nav aria-label=\"Contents\"><ul>\n");
+    page->to = page->contents;
+    put(page, "</ul></nav>\n");
+    end_part(page, page->before, true);
+    end_part(page, page->contents, listed);
+    end_part(page, page->after, true);
     if (page->error.code == HS_OK) return hs_output_commit(&page->output, err);
     hs_output_discard(&page->output);
     return hs_fail(err, page->error.code, "%s", page->error.text);

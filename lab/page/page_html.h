@@ -5,13 +5,6 @@
 
 #include "base/output_file.h"
 
-/* Text that grows in memory. */
-typedef struct {
-    FILE *stream;
-    char *text;
-    size_t bytes;
-} hs_page_part;
-
 enum { HS_PAGE_COLUMNS = 40 };
 
 /* A page under way. The first error is kept in it, so that only hs_page_close need be checked. Must not move
@@ -19,11 +12,11 @@ enum { HS_PAGE_COLUMNS = 40 };
 typedef struct {
     hs_output_file output;
     hs_error error;
-    bool has_slider;                      /* the script is needed */
-    char *heads[HS_PAGE_COLUMNS];         /* of the table under way; NULL behind the last */
-    unsigned headings;                    /* of level 2 so far */
-    hs_page_part before, contents, after; /* what stands before the list of contents, it, and after it */
-    hs_page_part *to;                     /* what is written now */
+    bool has_slider;                 /* the script is needed */
+    char *heads[HS_PAGE_COLUMNS];    /* of the table under way; NULL behind the last */
+    unsigned headings;               /* of level 2 so far */
+    FILE *before, *contents, *after; /* what stands before the list of contents, it, and after it */
+    FILE *to;                        /* what is written now */
 } hs_page;
 
 /* Starts a page at `path`; it appears when closed. All texts are escaped. */

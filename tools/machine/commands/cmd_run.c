@@ -14,6 +14,7 @@
 #include <errno.h>
 #include <jansson.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Adds a member. A value that could not be made (no memory, a number that is not finite) fails the whole file
  * rather than being left out. */
@@ -161,15 +162,20 @@ static bool hs_run_write_json(const hs_run *run, const char *path, hs_error *err
     return ok && hs_output_commit(&output, err); /* fails if the writing did */
 }
 
+static bool can_be_read(const char *path) {
+    const int file = sys_open(path, SYS_READ);
+    return file >= 0 && close(file) == 0;
+}
+
 /* Before the work starts: all of it would be lost. */
 static bool files_at_hand(const hs_run_line *line, hs_error *err) {
     const char *reference = line->request.reference;
-    if (reference && !sys_is_readable(reference))
+    if (reference && !can_be_read(reference))
         return hs_fail(err, HS_ERR_INPUT, "--reference %s: cannot be read: %s", reference, strerror(errno));
     char plugin[SYS_PATH]; /* a name that was mistyped: thirty frames without it tell nothing */
     if (line->request.plugin_path) {
         hs_plugin_find(line->request.plugin_path, plugin, sizeof plugin);
-        if (!sys_is_readable(plugin))
+        if (!can_be_read(plugin))
             return hs_fail(err, HS_ERR_PLUGIN, "%s: cannot read the plugin file: %s", plugin,
                            strerror(errno));
     }

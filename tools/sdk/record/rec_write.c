@@ -110,10 +110,13 @@ static void drop_frames(rec *r) {
     ok = (to < 0 || close(to) == 0) && ok;
     if (ok && close(r->file) == 0) {
         ok = sys_replace(r->part, r->path);
+        const int why = errno;
         r->file = sys_open(r->path, SYS_MORE);
+        if (!ok) errno = why;
     }
     if (!ok || r->file < 0 || lseek(r->file, 0, SEEK_END) < 0) {
         stop(r, strerror(errno));
+        if (!ok) (void)sys_remove(r->part);
         return;
     }
     r->end -= shift;
