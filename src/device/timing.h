@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where a frame's time went: the event of every command, by stage (extension smartvis.stats/1). */
+/* Where a frame's time went: the event of every command, by stage (extension smartvis.timing/1). */
 #pragma once
 
 #include "device/diag.h"

@@ -120,9 +120,9 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
  * wall in its first run, if that touches the start of the scan. The fetus: cells of later runs that are not
  * enclosed, and whose probability is SV_WALL_LIKELY at least.
  *
- * Enclosed: the wall is reached through tissue alone to three sides at least, of left, right, above, below.
- * Flanked: the fetus is reached to the left and to the right, or upwards and downwards. One side: the fetus
- * is reached on some side only.
+ * Enclosed: connected to the wall through tissue on three sides at least, of left, right, above, below.
+ * Flanked: connected to the fetus so on the left and on the right, or above and below. One side: on some
+ * side only.
  */
 enum { SV_WALL_ENCLOSED = 1, SV_WALL_FLANKED = 2, SV_WALL_ONE_SIDE = 4 };
 

@@ -2,8 +2,8 @@
 /*
  * Plugins that are wrong on purpose, each in one way: WRONG(id, source, check, what is wrong).
  * CMake compiles wrong_<source>.c once, and links it with the number of each line's fault as
- * <build>/wrong/<id>.so. sv_validate must fail on it by `check`; no host may crash, hang or show a wrong
- * picture because of it. The same sources without a fault are <build>/wrong/right/<source>.so.
+ * <build>/wrong/<id>.so. sv_validate must fail on it by `check`, or warn; no host may crash, hang or show a
+ * wrong picture because of it. The same sources without a fault are <build>/wrong/right/<source>.so.
  *
  * One line an entry: CMake and the tests' scripts read this file, too.
  */
