@@ -63,8 +63,8 @@ static int angle_at(double mm, double radius, uint32_t count) {
     return fixed(angle / HALF_PI, SV_WALL_ANGLE_BITS);
 }
 
-bool sv_wall_grid_of(const sv_wall_layout *l, const double spacing_mm[3], const sv_beams *b,
-                     const sv_wall_settings *s, sv_wall_grid *g) {
+bool sv_wall_grid_of(const sv_wall_layout *l, const sv_wall_layout *along, const double spacing_mm[3],
+                     const sv_beams *b, const sv_wall_settings *s, sv_wall_grid *g) {
     bool told = false;
     for (int i = 0; i < 9; i++) told = told || b->rotation[i] != 0.0f;
     if (!told || l->layers < 2) return false;
@@ -80,16 +80,15 @@ bool sv_wall_grid_of(const sv_wall_layout *l, const double spacing_mm[3], const 
     for (int a = 0; a < 3; a++) middle[a] = 0.5 * (sizes[a] - 1.0) * mm[a];
     fan f;
     if (b->kind != SV_BEAMS_FAN || !find_fan(b, middle, &f)) f = far_fan(b, middle);
-    const sv_wall_layout grid = sv_wall_grid_layout(s);
-    const double first = fmax(f.radius - 0.5 * grid.layers * s->block_mm, 0.0);
+    const double first = fmax(f.radius - 0.5 * along->layers * s->block_mm, 0.0);
     *g = (sv_wall_grid){.columns = l->columns,
                         .rows = l->rows,
                         .layers = l->layers,
-                        .lines = grid.columns,
-                        .planes = grid.rows,
-                        .samples = grid.layers,
-                        .line_angle = angle_at(s->beam_mm, f.radius, grid.columns),
-                        .plane_angle = angle_at(s->beam_mm, f.radius - f.sweep, grid.rows),
+                        .lines = along->columns,
+                        .planes = along->rows,
+                        .samples = along->layers,
+                        .line_angle = angle_at(s->beam_mm, f.radius, along->columns),
+                        .plane_angle = angle_at(s->beam_mm, f.radius - f.sweep, along->rows),
                         .first = fixed(first, SV_WALL_MM_BITS),
                         .step = fixed(s->block_mm, SV_WALL_MM_BITS),
                         .sweep = fixed(f.sweep, SV_WALL_MM_BITS)};

@@ -11,8 +11,8 @@
 /* The layout of such grids; it is the same for all beams. */
 sv_wall_layout sv_wall_grid_layout(const sv_wall_settings *settings);
 
-/* Finds where a grid along the beams lies in the blocks of a camera, `layout`. Its middle is the volume's.
- * Parallel beams, and where only the probe's rotation is told, run along the probe's z. False: the frame does
- * not tell that, or there is only one layer of blocks. */
-bool sv_wall_grid_of(const sv_wall_layout *layout, const double spacing_mm[3], const sv_beams *beams,
-                     const sv_wall_settings *settings, sv_wall_grid *grid);
+/* Finds where the grid `along` the beams lies in the blocks of a camera, `layout`. Its middle is the
+ * volume's. Parallel beams, and where only the probe's rotation is told, run along the probe's z. False: the
+ * frame does not tell that, or there is only one layer of blocks. */
+bool sv_wall_grid_of(const sv_wall_layout *layout, const sv_wall_layout *along, const double spacing_mm[3],
+                     const sv_beams *beams, const sv_wall_settings *settings, sv_wall_grid *grid);

@@ -18,7 +18,8 @@ static sv_config config_of(const sv_format *f, const sv_values *values) {
                        .tile_h = f->tile_h,
                        .row_pitch = f->carrier == SV_CARRIER_IMAGE ? f->tiles_x * f->tile_w : f->row_pitch,
                        .carrier = f->carrier,
-                       .padding = f->padding_value == SV_NO_PADDING ? 256 : (uint32_t)f->padding_value,
+                       .padding =
+                           f->padding_value == SV_NO_PADDING ? SV_UNPADDED : (uint32_t)f->padding_value,
                        .spacing = {f->spacing_mm[0], f->spacing_mm[1], f->spacing_mm[2]},
                        .ranged = (f->flags & SV_FORMAT_SCANNED) != 0,
                        .substeps = (uint32_t)values->of[SV_PARAM_SUBSTEPS],
@@ -39,7 +40,7 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, const 
                                 uint32_t strip) {
     sv_structure structure = {.substeps = config->substeps,
                               .strip = strip,
-                              .padded = (config->padding < 256),
+                              .padded = sv_is_padded(config),
                               .ranged = config->ranged,
                               .needs_profile = sv_chain_needs_profile(config),
                               .fetch_ahead =

@@ -292,11 +292,9 @@ static sv_status launch_profile(const sv_pipeline *p) {
     sv_launch l = rays ? SV_LAUNCH(&p->map, profile_rays) : SV_LAUNCH(&p->map, profile_strip);
     sv_launch_buffer(&l, p->waiting.buffer);
     sv_launch_arg(&l, sizeof p->waiting.batch, &p->waiting.batch);
-    const uint32_t numbers[] = {c->row_pitch, c->tiles_x,
-                                c->tile_w,    c->tile_h,
-                                c->width,     p->map.padded_width,
-                                c->height,    p->map.job.fluid_level,
-                                p->level_n,   c->padding < 256 ? c->padding : 255u /* not looked at */};
+    const uint32_t numbers[] = {c->row_pitch, c->tiles_x,          c->tile_w, c->tile_h,
+                                c->width,     p->map.padded_width, c->height, p->map.job.fluid_level,
+                                p->level_n,   c->padding};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) sv_launch_uint(&l, numbers[i]);
     /* Without ranges the kernel reads none: any buffer will do. */
     sv_launch_buffer(&l, c->ranged ? p->buffers.scanned : p->buffers.state16);

@@ -25,7 +25,7 @@ static const float Q = 0.25f;
 typedef struct {
     sv_config config;
     uint8_t volume[PIXELS * SLICES], slab[SLAB_BYTES];
-    sv_ref_range ranges[PIXELS];
+    sv_scanned ranges[PIXELS];
     uint8_t status[PIXELS], expected_status[PIXELS];
     float depth[PIXELS], near_surface[PIXELS], far_surface[PIXELS], surface[PIXELS];
     sv_ref_ray rays[PIXELS];
@@ -88,8 +88,7 @@ static sv_status compute(sv_pipeline *p, scratch *b, const sv_values *values, bo
     sv_pipeline_begin(p, values, &context);
     if (wide) p->map.program = p->map.wide;
     sv_status status = SV_OK;
-    _Static_assert(sizeof(sv_scanned) == sizeof(sv_ref_range), "ranges are the ABI's, word for word");
-    if (c->ranged) status = sv_pipeline_scanned(p, (const sv_scanned *)b->ranges, NULL, 0);
+    if (c->ranged) status = sv_pipeline_scanned(p, b->ranges, NULL, 0);
     for (uint32_t first = 0; status == SV_OK && first < c->slices; first += c->max_slab_slices) {
         const uint32_t left = c->slices - first,
                        count = left < c->max_slab_slices ? left : c->max_slab_slices;
@@ -127,7 +126,7 @@ static sv_ref_volume volume_of(const scratch *b) {
                            .width = c->width,
                            .height = c->height,
                            .slices = c->slices,
-                           .padding = c->padding < 256 ? (int32_t)c->padding : SV_NO_PADDING,
+                           .padding = (int32_t)c->padding,
                            .scanned = c->ranged ? b->ranges : NULL};
 }
 
@@ -210,12 +209,12 @@ static void fill_layers(scratch *b) {
             const uint32_t noise = random >> 24;
             uint32_t value = z % 7 < 3 + i % 3 ? 20 + noise % 22 : 40 + noise % 120;
             if (i % 13 == z && noise < 60) value = 255 - noise % 5;
-            if (b->config.padding < 256 && (z < i % 4 || noise > 250)) value = b->config.padding;
+            if (sv_is_padded(&b->config) && (z < i % 4 || noise > 250)) value = b->config.padding;
             b->volume[z * PIXELS + i] = (uint8_t)value;
         }
     for (size_t i = 0; i < PIXELS; i++)
-        b->ranges[i] = (sv_ref_range){(uint16_t)(i % 17 == 3 ? 30 : i * 5 % 11),
-                                      (uint16_t)(i % 19 == 7 ? 4 : SLICES + 3 - i * 3 % 13)};
+        b->ranges[i] = (sv_scanned){(uint16_t)(i % 17 == 3 ? 30 : i * 5 % 11),
+                                    (uint16_t)(i % 19 == 7 ? 4 : SLICES + 3 - i * 3 % 13)};
 }
 
 sv_status sv_selftest(sv_diag *diag, const sv_device *device, const sv_program *narrow,
@@ -245,7 +244,7 @@ static void fill_points(scratch *b, bool for_volume) {
     const uint8_t tissue = for_volume ? 180 : 100;
     for (uint32_t i = 0; i < pixels; i++) {
         const uint32_t near_end = 1 + i * 7 % 5, far_end = 8 + i * 11 % 13;
-        b->ranges[i] = (sv_ref_range){(uint16_t)(i % 2), (uint16_t)(METHOD_SLICES - i % 3)};
+        b->ranges[i] = (sv_scanned){(uint16_t)(i % 2), (uint16_t)(METHOD_SLICES - i % 3)};
         for (uint32_t z = 0; z < METHOD_SLICES; z++)
             b->volume[z * pixels + i] =
                 i % stride != 4 % stride || z < near_end ? tissue : (uint8_t)(z < far_end ? 0 : 255);
@@ -259,7 +258,7 @@ sv_status sv_selftest_method(sv_diag *diag, const sv_device *device, const sv_pr
     const sv_values values = make_values(defaults);
     scratch *b = make_scratch(diag, config, METHOD_WIDTH, METHOD_HEIGHT, METHOD_SLICES, METHOD_SLICES, 1);
     if (!b) return SV_ERR_NO_MEMORY;
-    b->config.padding = config->padding < 256 ? 7 : 256;
+    b->config.padding = sv_is_padded(config) ? 7 : SV_UNPADDED;
     b->config.method = config->method;
     b->config.prefilter = config->prefilter;
     b->config.float32 = config->float32;

@@ -33,7 +33,7 @@ typedef struct {
     uint32_t width, height, slices, max_slab_slices;
     uint32_t tiles_x, tile_w, tile_h, row_pitch; /* row_pitch of the texture as the kernels read it */
     uint32_t carrier;
-    uint32_t padding; /* the voxel value that was not scanned; 256: none */
+    uint32_t padding; /* the voxel value that was not scanned; or SV_UNPADDED */
     bool ranged;      /* every frame brings the scanned range of every ray */
     float spacing[3]; /* mm between voxels; never 0: where the host does not know it, assumed */
     uint32_t substeps;
@@ -44,6 +44,12 @@ typedef struct {
     const void *host_memory;
     uint64_t host_memory_bytes;
 } sv_config;
+
+#define SV_UNPADDED 256u /* no voxel's value */
+
+static inline bool sv_is_padded(const sv_config *c) {
+    return c->padding != SV_UNPADDED;
+}
 
 /* ---- the map (map.c): what a method works on */
 

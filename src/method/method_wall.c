@@ -159,7 +159,7 @@ static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_contex
     spacing_of(m, mm);
     own->camera.last = frame->continues ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
     own->camera.clip_doubtful = (uint32_t)m->values.of[SV_PARAM_UNSURE] == SV_UNSURE_CLIP;
-    const bool told = sv_wall_grid_of(&own->camera, mm, &frame->beams, &settings, &grid);
+    const bool told = sv_wall_grid_of(&own->camera, &own->beams, mm, &frame->beams, &settings, &grid);
     sv_status status = sv_wall_launch_all(m, s, work, 0, work->gathered, false, NULL);
     if (status == SV_OK && told && !(own->holds && frame->beams.same_volume))
         status = ask_beams(m, s, &grid, frame->continues);

@@ -57,7 +57,7 @@ static uint32_t layers_to_launch(const sv_placed_slab *from, const sv_wall_layou
 
 static sv_status take_slab(const sv_map *m, sv_method_state *s, const sv_placed_slab *from) {
     const sv_wall_layout layout = sv_wall_own_of(s)->camera;
-    const bool padded = m->config->padding < 256;
+    const bool padded = sv_is_padded(m->config);
     sv_launch l = sv_slab_launch(m, s->kernels.kernel[K_RANGE], sv_wall_items_kernels[K_RANGE], from,
                                  s->buffer[SV_WALL_PLANES]);
     sv_launch_arg(&l, sizeof layout, &layout);

@@ -7,7 +7,7 @@ sv_wall_own *sv_wall_own_of(sv_method_state *s) {
 }
 
 bool sv_wall_is_bounded(const sv_config *c) {
-    return c->ranged || c->padding < 256;
+    return c->ranged || sv_is_padded(c);
 }
 
 size_t sv_wall_lanes_of(uint32_t values) {

@@ -7,17 +7,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The slices of a ray that were scanned: first .. end - 1. */
-typedef struct {
-    uint16_t first, end;
-} sv_ref_range;
-
 /* A whole camera-aligned volume: voxel (x, y, z) at voxels[(z * height + y) * width + x]. */
 typedef struct {
     const uint8_t *voxels;
     uint32_t width, height, slices;
-    int32_t padding;             /* voxels of this value were not scanned; -1: all were */
-    const sv_ref_range *scanned; /* width * height; NULL: the padding alone tells */
+    int32_t padding;           /* voxels of this value were not scanned; beyond 0 .. 255: all were */
+    const sv_scanned *scanned; /* width * height; NULL: the padding alone tells */
 } sv_ref_volume;
 
 /* True if slice z of ray `pixel` (y * width + x) was scanned (spec 2). */

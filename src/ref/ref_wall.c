@@ -138,15 +138,14 @@ static bool surface_of_blocks(const sv_wall_layout *l, sv_wall_blocks *blocks, c
 }
 
 /* Asks for the surface along the beams. */
-static bool ask_beams(const sv_wall_blocks *camera, const sv_wall_grid *grid, const sv_wall_settings *s,
+static bool ask_beams(const sv_wall_blocks *camera, const sv_wall_grid *grid, const sv_wall_layout *l,
                       sv_wall_outcome *outcome, sv_wall_facts *facts) {
-    const sv_wall_layout l = sv_wall_grid_layout(s);
-    const size_t count = (size_t)l.columns * l.rows;
+    const size_t count = (size_t)l->columns * l->rows;
     sv_wall_blocks blocks;
     float *const maps = malloc(2 * count * sizeof *maps);
-    bool done = maps && sv_wall_gather(camera, grid, &l, &blocks);
+    bool done = maps && sv_wall_gather(camera, grid, l, &blocks);
     if (done) {
-        done = surface_of_blocks(&l, &blocks, NULL, maps, maps + count, outcome, facts);
+        done = surface_of_blocks(l, &blocks, NULL, maps, maps + count, outcome, facts);
         sv_wall_blocks_destroy(&blocks);
     }
     free(maps);
@@ -159,13 +158,14 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     if (!sv_wall_check(v, text, sizeof text)) return false;
     const sv_wall_settings s = settings ? *settings : sv_wall_settings_default();
     const sv_wall_layout l = sv_wall_layout_of(v->width, v->height, v->slices, v->spacing_mm, &s);
+    const sv_wall_layout beams = sv_wall_grid_layout(&s);
     sv_wall_blocks blocks;
     if (!sv_wall_blocks_create(v, &l, &blocks)) return false;
     sv_wall_grid grid;
     sv_wall_facts found, along;
     sv_wall_outcome said;
-    const bool told = v->beams && sv_wall_grid_of(&l, v->spacing_mm, v->beams, &s, &grid);
-    bool done = !told || ask_beams(&blocks, &grid, &s, &said, &along);
+    const bool told = v->beams && sv_wall_grid_of(&l, &beams, v->spacing_mm, v->beams, &s, &grid);
+    bool done = !told || ask_beams(&blocks, &grid, &beams, &said, &along);
     if (done) done = surface_of_blocks(&l, &blocks, told ? &said : NULL, depth, confidence, outcome, &found);
     if (told) {
         found.gap_share = along.gap_share;

@@ -85,9 +85,8 @@ void compare_frame(rig *r, const stage *t, const uint8_t *voxels, const rig_sett
     char text[512];
     const void *mark = unit_mark();
     const sv_format *f = &t->format;
-    const sv_ref_volume volume = {voxels,           f->width,
-                                  f->height,        f->slices,
-                                  f->padding_value, t->way.ranges ? (const sv_ref_range *)t->ranges : NULL};
+    const sv_ref_volume volume = {voxels,    f->width,         f->height,
+                                  f->slices, f->padding_value, t->way.ranges ? t->ranges : NULL};
     (void)snprintf(
         text, sizeof text,
         "%s: %u x %u x %u, padding %d, carrier %u, %u slabs, tiles_x %u, T_L %.4f, bone mode %d, k %u, "

@@ -25,8 +25,7 @@ static bool clips(const wall_expected *e) {
 /* By the definition. */
 static wall_expected wall_expect(const wall_shape *s, const uint8_t *volume, bool clip_doubtful) {
     const size_t count = (size_t)s->width * s->height;
-    const sv_ref_volume v = {volume,    s->width,   s->height,
-                             s->slices, s->padding, (const sv_ref_range *)s->scanned};
+    const sv_ref_volume v = {volume, s->width, s->height, s->slices, s->padding, s->scanned};
     const double mm[3] = {(double)s->spacing_mm[0], (double)s->spacing_mm[1], (double)s->spacing_mm[2]};
     sv_wall_settings settings = sv_wall_settings_default();
     settings.clip_doubtful = clip_doubtful;

@@ -46,7 +46,8 @@ static void check_grid(const sv_beams *b, double middle) {
     uint32_t seen = 0;
     assert_int_equal(camera.columns, COLUMNS);
     assert_int_equal(camera.layers, LAYERS);
-    assert_true(sv_wall_blocks_allocate(&camera, &blocks) && sv_wall_grid_of(&camera, mm, b, &s, &grid));
+    assert_true(sv_wall_blocks_allocate(&camera, &blocks) &&
+                sv_wall_grid_of(&camera, &layout, mm, b, &s, &grid));
     for (size_t i = 0; i < (size_t)COLUMNS * ROWS * LAYERS; i++)
         blocks.levels[i] = (uint8_t)(level_of((double)(i % COLUMNS), (double)(i / COLUMNS % ROWS),
                                               (double)(i / COLUMNS / ROWS)) +
@@ -98,7 +99,7 @@ static void test_untold_beams_have_no_grid(void **state) {
     const double mm[3] = {1.0, 1.0, 1.0};
     const sv_wall_layout camera = sv_wall_layout_of(COLUMNS, ROWS, LAYERS, mm, &s);
     sv_wall_grid grid;
-    assert_false(sv_wall_grid_of(&camera, mm, &(const sv_beams){.side = {0, 0, -1}}, &s, &grid));
+    assert_false(sv_wall_grid_of(&camera, &camera, mm, &(const sv_beams){.side = {0, 0, -1}}, &s, &grid));
 }
 
 /* The scan as a camera sees it that looks along the volume's x, from the probe's left: z becomes its x. */
