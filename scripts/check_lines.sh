@@ -6,12 +6,8 @@
 set -eu
 cd "$(dirname "$0")/.."
 git rev-parse --git-dir > /dev/null 2>&1 || { echo "lines: no git, so nothing is counted"; exit 0; }
-counted=$(git grep -Ic '' -- . ':!abi' ':!tests/fuzz/corpus' ':!python/requirements-*.txt' ':!*.svg' | awk -F: '
-    { part = "rest" }
-    $1 ~ /^(include|src|cl|examples|bindings|abi|tools\/sdk|tests\/sdk|tests\/programs)\// { part = "sdk" }
-    $1 ~ /^(host_sim|data|python|tools\/machine|tests\/machine)\// { part = "machine" }
-    $1 ~ /^(lab|tests\/lab)\// { part = "lab" }
-    { lines[part] += $2; lines["all"] += $2 }
+counted=$(git grep -Ic '' -- . ':!abi' ':!tests/fuzz/corpus' ':!python/requirements-*.txt' ':!*.svg' | awk -F: "$(cat scripts/part_of.awk)"'
+    { lines[part_of($1)] += $2; lines["all"] += $2 }
     END { for (part in lines) print part, lines[part] }' | sort)
 [ "${1:-}" != --write ] || echo "$counted" > scripts/lines.txt
 join <(sort scripts/lines.txt) <(echo "$counted") | awk '
