@@ -96,7 +96,7 @@ ROOTS = {
     "include": "include", "cl": "cl", "src": "include src cl", "host_sim": "include host_sim",
     "tools": "include tools/sdk tools/machine lab host_sim src cl", "lab": "include lab tools/sdk tools/machine host_sim src cl",
     "examples": "include", "bindings": "include", "python": "include",
-    "tests": "include tests tools/sdk tools/machine lab host_sim src cl",
+    "tests": "include tests tests/sdk tests/machine tools/sdk tools/machine lab host_sim src cl",
 }
 
 

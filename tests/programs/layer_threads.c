@@ -5,7 +5,7 @@
  * Two instances run frames on threads of their own, while a third thread asks both, and a fourth breaks the
  * rule and calls the first instance beside its own thread. It prints how often the layer told of that.
  */
-#include "../support/plain_format.h"
+#include "../sdk/support/plain_format.h"
 
 #include <dlfcn.h>
 #include <pthread.h>
