@@ -27,16 +27,16 @@ cross() { # cross SOURCE FOLDER ARGUMENT...: configures and builds; CMake's own 
         -D CMAKE_BUILD_TYPE=Release "${@:3}" 2>&1 && cmake --build "$out/$2" 2>&1) || { echo "$log"; exit 1; }
     if grep -E 'warning:' <<< "$log"; then echo "windows: warnings in $1" >&2; exit 1; fi
 }
-scripts/windows_libraries.sh "$root" & # which waits for a network, and which no example needs
+scripts/windows_libraries.sh "$root" & # which waits for a network
 libraries=$!
-here=(-D "CMAKE_PREFIX_PATH=$build" -D CMAKE_EXE_LINKER_FLAGS=-static -D CMAKE_MODULE_LINKER_FLAGS=-static)
-for example in small_host queue_host template first_edge kernel_edge cpp; do cross examples/$example $example "${here[@]}"; done
-
-# The same in C++ for this machine, to compare with.
+# An example in C++ for this machine, to compare with.
 cmake -S examples/cpp -B "$out/cpp_here" -G Ninja -D "CMAKE_PREFIX_PATH=$build" > /dev/null
 cmake --build "$out/cpp_here" > /dev/null
 wait $libraries
 cross . plugin -D SV_WERROR="${SV_WERROR:-OFF}"
+cmake --install "$out/plugin" --prefix "$out/installed" > "$out/there.log"
+here=(-D "CMAKE_PREFIX_PATH=$out/installed" -D CMAKE_EXE_LINKER_FLAGS=-static -D CMAKE_MODULE_LINKER_FLAGS=-static)
+for example in small_host queue_host template first_edge kernel_edge cpp; do cross examples/$example $example "${here[@]}"; done
 
 for library in smartvis smartvis_check; do
     exports=$(x86_64-w64-mingw32-objdump -p "$out/plugin/$library.dll" | sed -n '/\[Ordinal\/Name Pointer\]/,/^$/s/.*\] //p')
@@ -56,8 +56,7 @@ same() {
     fi
     echo "windows: $(basename "$2") $(basename "$4"): as on Linux ($(head -n 1 "$out/here.txt"))"
 }
-mkdir -p "$out/fötus" "$out/plugin/share/smartvis"
-cp -r data/scenes "$out/plugin/share/smartvis"
+mkdir -p "$out/fötus"
 cp "$out/plugin/smartvis.dll" "$out/fötus/"
 examples=$build/examples
 same "$examples/small_host" "$out/small_host/small_host.exe" "$build/smartvis.so" "$out/plugin/smartvis.dll"
@@ -117,7 +116,7 @@ while read -r name; do
             tests/machine/plugins/plane.c "-Wl,--defsym=plane_line=plane_lines+$line" -L "$root/lib" -lOpenCL -o "$out/$name.dll" 2> "$out/there.log"
         ends 4 "$replay" "$out/plane.svr" --plugin "$out/$name.dll" --set fail=slab --guard-time 5,8
         grep -q "$name.dll: $says" "$out/there.txt" || { cat "$out/there.txt" >&2; exit 1; }
-        (cd "$out" && timeout 120 wine plugin/host_sim.exe run --scene E01 --size 32 --frames 2 --picture 32 --few-pictures --setting smartvis \
+        (cd "$out" && timeout 120 wine installed/bin/host_sim.exe run --scene E01 --size 32 --frames 2 --picture 32 --few-pictures --setting smartvis \
             --plugin $name.dll --set fail=slab --guard-time 2,8 --out run) > "$out/there.txt" 2>&1 || true
         grep -q "$name.dll: slab: SV_ERR_INTERNAL (-1): $says.*in slab 2 of 2" "$out/there.txt" && grep -q 'unclipped: 0 by the plugin.s note, 2 by its failure' "$out/there.txt" &&
             ! grep -q debugger "$out/there.txt" ||
@@ -147,7 +146,7 @@ said=$(WRONG_VALIDATOR="wine $out/plugin/sv_validate.exe" WRONG_ENDING=dll \
 echo "windows: sv_validate: right plugins pass; $said"
 
 # host_sim: what it makes of scenes and files, in a folder whose name is not ASCII, is what it makes on Linux, bit for bit.
-machine=$out/plugin/host_sim.exe
+machine=$out/installed/bin/host_sim.exe
 mkdir -p "$out/here"
 both() { # both COMMAND ARGUMENT...: of host_sim, here and there
     (cd "$out/here" && "$build/host_sim" "$@") > "$out/here.txt" 2> "$out/here.log" || { cat "$out/here.log" >&2; exit 1; }
@@ -183,7 +182,7 @@ for name in in.raw '..\out.raw' '..\deep\..\out.raw' 'C:\windows\win.ini' z:out.
     ends "$([ "$name" = in.raw ] && echo 0 || echo 3)" "$machine" info "$out/deep/of.mhd"
 done
 for path in CON nul.mha "$out/deep" "$out/$long.mha" 'C:\missing.mha' '\\.\pipe\none' "$out/deep/in.raw:x" 'Q:x.mha' 'CONIN$'; do ends 3 "$machine" info "$path"; done
-for path in NUL COM1 "$out/nul.txt" "$out/deep/new:x" 'C:x:y' 'Q:\none'; do ends 6 "$machine" scenes D02 --size 32 --export --out "$path"; done
+for path in NUL COM1 "$out/nul.txt" "$out/deep/new:x" 'C:x:y' C: 'Q:\none'; do ends 6 "$machine" scenes D02 --size 32 --export --out "$path"; done
 echo "windows: host_sim refuses devices, streams, and files outside of a header's folder, also for what it writes"
 
 # The wheel: plugin and smartvis_seen by the package's own build, host_sim.exe with the scenes, licences of what is linked in. It needs Windows'

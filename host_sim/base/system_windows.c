@@ -252,12 +252,19 @@ bool sys_program(char *path, size_t bytes) {
     return module_path(NULL, path, bytes);
 }
 
+static UINT code_page;
+
+static void restore_console(void) {
+    (void)SetConsoleOutputCP(code_page);
+}
+
 char **sys_arguments(int *count, char **argv) {
     wchar_t **wide = CommandLineToArgvW(GetCommandLineW(), count);
     char **narrowed = wide ? calloc((size_t)*count + 1, sizeof *narrowed) : NULL;
     bool whole = narrowed != NULL;
     for (int i = 0; whole && i < *count; i++) whole = (narrowed[i] = with_slashes(wide[i])) != NULL;
-    (void)SetConsoleOutputCP(CP_UTF8);
+    code_page = GetConsoleOutputCP();
+    if (code_page && SetConsoleOutputCP(CP_UTF8)) (void)atexit(restore_console);
     for (int stream = 1; stream <= 2; stream++) {
         const HANDLE console = (HANDLE)_get_osfhandle(stream);
         DWORD mode;

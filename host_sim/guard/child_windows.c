@@ -104,8 +104,10 @@ static HANDLE make_job(void) {
     JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits = {0};
     limits.BasicLimitInformation.LimitFlags =
         JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE | JOB_OBJECT_LIMIT_DIE_ON_UNHANDLED_EXCEPTION;
-    if (job) (void)SetInformationJobObject(job, JobObjectExtendedLimitInformation, &limits, sizeof limits);
-    return job;
+    if (!job || SetInformationJobObject(job, JobObjectExtendedLimitInformation, &limits, sizeof limits))
+        return job;
+    (void)CloseHandle(job);
+    return NULL;
 }
 
 /* Starts the program in the job, with these handles and no others. */
@@ -130,11 +132,14 @@ static bool launch(hs_child *child, const wchar_t *program, wchar_t *line, HANDL
                        &start.StartupInfo, &process);
     free(start.lpAttributeList);
     if (!made) return false;
-    (void)AssignProcessToJobObject((HANDLE)child->job, process.hProcess);
-    (void)ResumeThread(process.hThread);
+    const bool held = AssignProcessToJobObject((HANDLE)child->job, process.hProcess) &&
+                      ResumeThread(process.hThread) != (DWORD)-1;
     (void)CloseHandle(process.hThread);
     child->process = (intptr_t)process.hProcess;
-    return true;
+    if (held) return true;
+    (void)TerminateProcess(process.hProcess, KILLED);
+    (void)CloseHandle(process.hProcess);
+    return false;
 }
 
 bool hs_process_start(hs_child *child, const char *program, char **argv, uint32_t argc,
@@ -188,7 +193,7 @@ bool hs_process_collect(hs_child *child, bool waits, hs_child_end *end, bool *ki
     (void)CloseHandle(process);
     (void)TerminateJobObject((HANDLE)child->job, KILLED);
     *killed = code == KILLED;
-    end->fate = code >= 0xC0000000u ? HS_CHILD_CRASHED : HS_CHILD_LEFT;
+    end->fate = code >> 28 == 0xC ? HS_CHILD_CRASHED : HS_CHILD_LEFT; /* an error's code, but no exit(-1) */
     end->number = (int)code;
     return true;
 }
@@ -241,7 +246,8 @@ void hs_process_tell_crash(int number, char *out, size_t bytes) {
     } names[] = {{EXCEPTION_ACCESS_VIOLATION, "access violation"},
                  {EXCEPTION_STACK_OVERFLOW, "stack overflow"},
                  {EXCEPTION_INT_DIVIDE_BY_ZERO, "division by zero"},
-                 {EXCEPTION_ILLEGAL_INSTRUCTION, "illegal instruction"}};
+                 {EXCEPTION_ILLEGAL_INSTRUCTION, "illegal instruction"},
+                 {0xC0000409u, "aborted, or wrote over its stack"}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if ((DWORD)number == names[i].code) {
             (void)snprintf(out, bytes, "crashed: %s", names[i].name);

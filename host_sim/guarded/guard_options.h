@@ -37,7 +37,7 @@ const char *hs_guard_program(void);
     HS_OPTIONS_GROUP(                                                                                        \
         "The guard (the plugin runs in a process of its own; whatever it does, the host goes on):"),         \
         HS_CHOICE("guard", (at) + offsetof(hs_guard_options, choice), HS_GUARD_ON,                           \
-                  "any plugin [every library but the host's own smartvis.so]"),                              \
+                  "any plugin [every library but the host's own]"),                                          \
         HS_CHOICE("no-guard", (at) + offsetof(hs_guard_options, choice), HS_GUARD_OFF, "none"),              \
         HS_TAKEN("guard-time", "S[,S]", at, hs_guard_take_time,                                              \
                  "seconds a call of a frame may take, and any other call [5,60]"),                           \

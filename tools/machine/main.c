@@ -45,14 +45,17 @@ static void print_help(FILE *out) {
         "\n"
         "Environment:\n"
         "  SMARTVIS_DEVICE       cpu or gpu: narrows the choice of the OpenCL device\n"
-        "  SMARTVIS_PLUGIN_PATH  folders, parted by ':', in which a plugin is looked for by its name; "
+        "  SMARTVIS_PLUGIN_PATH  folders, parted by '%s', in which a plugin is looked for by its name; "
         "behind\n"
-        "                        them ../lib/smartvis beside the folder of host_sim, "
-        "/usr/local/lib/smartvis\n"
-        "                        and /usr/lib/smartvis\n"
-        "  SMARTVIS_SCENES       folder of the built-in scenes [../share/smartvis/scenes beside the folder "
-        "of\n"
-        "                        host_sim]\n\n%s",
+        "                        them ../lib/smartvis beside the folder of host_sim",
+        sys_list_separator);
+    for (size_t i = 0; sys_plugin_folders[i]; i++) (void)fprintf(out, ", %s", sys_plugin_folders[i]);
+    (void)fprintf(
+        out,
+        "\n"
+        "  SMARTVIS_SCENES       folder of the built-in scenes [share/smartvis/scenes beside host_sim "
+        "or\n"
+        "                        beside its folder]\n\n%s",
         hs_exit_codes_help);
 }
 

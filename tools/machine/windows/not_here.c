@@ -6,7 +6,7 @@
 
 static int refuse(const char *command) {
     hs_error err = {0};
-    (void)hs_fail(&err, HS_ERR_FAILED, "not on Windows; it runs on Linux");
+    (void)hs_fail(&err, HS_ERR_USAGE, "not on Windows; it runs on Linux");
     return hs_cli_fail(command, &err);
 }
 

@@ -47,7 +47,7 @@ static const hs_option options[] = {
 
 static void print_help(void) {
     printf("Usage: sv_replay FILE [options]\n"
-           "Plays a recording of smartvis_check.so into a plugin, and says whether its maps, statuses and "
+           "Plays a recording of the checking layer into a plugin, and says whether its maps, statuses and "
            "logs are the same bits,\nelse where they part.\n\n");
     hs_options_print(options);
     printf(

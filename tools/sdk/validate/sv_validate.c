@@ -232,7 +232,7 @@ static const hs_option options[] = {
 };
 
 static void print_help(void) {
-    printf("Usage: sv_validate [options] PLUGIN.so\n"
+    printf("Usage: sv_validate [options] PLUGIN\n"
            "Tries whether a plugin keeps the promises of smartvis_plugin.h. Every check runs in a process of "
            "its own.\n"
            "\n");

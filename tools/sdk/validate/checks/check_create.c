@@ -172,6 +172,7 @@ void check_process_untouched(v_run *run) {
     read_process_state(&after);
     (void)fflush(stdout);
     if (caught) (void)(fstat(memory, &said) + dup2(output, STDOUT_FILENO));
+    V_EXPECT(run, caught, "no temporary file: the standard output could not be watched");
     V_EXPECT(run, strcmp(before.locale, after.locale) == 0, "the plugin changes the locale to %.100s",
              after.locale);
     V_EXPECT(run, before.rounding == after.rounding, "the plugin leaves another rounding mode behind: %d",
