@@ -261,7 +261,7 @@ __kernel void profile_strip(__global const uchar *restrict slabs, sv_batch batch
                             __global ushort *restrict state16) {
     const strip_row_t row = {(uint)get_global_id(0), width, padded_width, height, scanned, state8, state16};
     const strip_texture_t t = {row_pitch, tiles_x, tile_w, tile_h};
-    const strip_levels_t levels = {(uchar)level, (ushort)level_n, (uchar)padding};
+    const strip_levels_t levels = {(uchar)level, (ushort)level_n, (uchar)min(padding, 255u)};
     uint before = batch.first_slice;
     for (uint n = 0; n < batch.count; n++) {
         __global const uchar *texture = slabs + batch.offset[n] + (size_t)row.y * row_pitch;
