@@ -46,14 +46,20 @@ static void stop_makes_errors(void **state) {
 
 /* The layer makes a map NaN before the plugin writes it. */
 static void a_failed_call_leaves_no_nan(void **state) {
-    layer_subject *s = layer_open("wrong/end_minus_77");
-    layer_create(s);
-    layer_start(s, SLABS);
-    for (int i = 0; i < RAYS; i++) s->depth[i] = 5.0f;
-    assert_true(layer_end(s) < SV_OK);
-    for (int i = 0; i < RAYS; i++) assert_true(s->depth[i] == 0.0f);
-    s->p->deactivate(s->p);
-    layer_close(s);
+    for (int queue = 0; queue < 2; queue++) {
+        layer_subject *s = layer_open(queue ? "wrong/end_minus_78" : "wrong/end_minus_77");
+        if (queue) layer_take_queue(s);
+        layer_create(s);
+        layer_start(s, SLABS);
+        for (int i = 0; i < RAYS; i++) s->depth[i] = 5.0f;
+        assert_int_equal(layer_end(s), queue ? -78 : -77);
+        if (queue)
+            (void)clEnqueueReadBuffer(s->cl.queue, s->map, CL_TRUE, 0, sizeof s->depth, s->depth, 0, NULL,
+                                      NULL);
+        for (int i = 0; i < RAYS; i++) assert_true(s->depth[i] == 0.0f);
+        s->p->deactivate(s->p);
+        layer_close(s);
+    }
 }
 
 static void off_is_the_plugin_itself(void **state) {

@@ -298,7 +298,8 @@ static const char *const untold[] = {
     "closes_descriptors",
     "shrinks_files",
     "writes_to_files",
-    "lowers_limits", /* process-untouched: only */
+    "lowers_limits",
+    "lowers_hard_limit", /* process-untouched: only */
     "forks",
     "forks_session",
     "closes_when_refused",

@@ -40,7 +40,8 @@ fi
 # Some at a time, for many of them wait, and first those that take their time.
 sed -nE 's/^    WRONG\(([a-z0-9_]+), ([a-z]+), ([a-z-]+),.*/\1 \2 \3/p' "$list" > "$work/family"
 count=$(wc -l < "$work/family")
-[ "$count" -ge 40 ] || { echo "$count plugins in the family, expected at least 40"; exit 1; }
+unbroken=$(comm -23 <($validate --list | awk '/^[a-z]/ { print $1 }' | sort) <(cut -d ' ' -f 3 "$work/family" | sort))
+[ -z "$unbroken" ] || { echo "no plugin of the family breaks $unbroken"; exit 1; }
 [ -z "${WRONG_LEFT_OUT:-}" ] || sed -i -E "/^($WRONG_LEFT_OUT) /d" "$work/family"
 # The sanitizer keeps the heap for itself, so what these do there is not seen.
 [ -z "${SV_SANITIZE:-}" ] || sed -i -E '/^(leaks_memory|frame_allocates|ignores_no_memory) /d' "$work/family"

@@ -51,6 +51,7 @@ static void spoil_descriptors(void) {
 #if defined(_WIN32) /* where there is no such thing */
 static void leave_a_process(void) {}
 static void lower_limits(void) {}
+static void lower_hard_limit(void) {}
 #else
 /* Once, and for minutes only, should a host not end it; or it goes on as a copy of the host. */
 static void leave_a_process(void) {
@@ -66,6 +67,16 @@ static void lower_limits(void) {
     (void)getrlimit(RLIMIT_NOFILE, &files);
     files.rlim_cur /= 2;
     (void)setrlimit(RLIMIT_NOFILE, &files);
+}
+
+/* Of the first limit that lies below it. */
+static void lower_hard_limit(void) {
+    for (int what = 0; what < RLIM_NLIMITS; what++) {
+        struct rlimit limit;
+        if (getrlimit((__rlimit_resource_t)what, &limit) != 0 || limit.rlim_cur == limit.rlim_max) continue;
+        limit.rlim_max = limit.rlim_cur;
+        if (setrlimit((__rlimit_resource_t)what, &limit) == 0) return;
+    }
 }
 #endif
 
@@ -117,6 +128,7 @@ static sv_status activate(const sv_plugin *plugin, const sv_format *format) {
     leak();
     if (WRONG_IS(changes_locale)) (void)setlocale(LC_ALL, "C.UTF-8");
     if (WRONG_IS(lowers_limits)) lower_limits();
+    if (WRONG_IS(lowers_hard_limit)) lower_hard_limit();
     if (WRONG_IS(activate_77)) return 77;
     if (WRONG_IS(activate_partial)) return SV_PARTIAL;
     return status;

@@ -154,6 +154,7 @@
     WRONG(shrinks_files, life, process-untouched, "begin cuts off every file that is open") \
     WRONG(writes_to_files, life, process-untouched, "begin writes to every file that is open") \
     WRONG(lowers_limits, life, process-untouched, "activate lowers the limit of open files") \
+    WRONG(lowers_hard_limit, life, process-untouched, "activate lowers how far a limit can be raised") \
     WRONG(forks, life, process-untouched, "end comes back twice, from a fork") \
     WRONG(forks_session, life, process-untouched, "end leaves a process in a session of its own behind") \
     WRONG(closes_when_refused, life, slab-refusals, "slab closes descriptors 0 to 1023 when it refuses a slab") \
@@ -163,6 +164,7 @@
     WRONG(frame_allocates, life, frame-path-heap, "begin allocates memory") \
     WRONG(ignores_no_memory, life, heap-faults, "activate does not look whether it got its memory") \
     WRONG(create_calls_opencl, opencl, create-without-opencl, "create asks OpenCL for its platforms") \
+    WRONG(end_minus_78, opencl, first-frame, "end fails with a status that nobody knows, on the host's queue") \
     WRONG(frame_finishes, opencl, frame-path-opencl, "end waits for the host's queue") \
     WRONG(frame_blocks, opencl, frame-path-opencl, "end writes with a blocking call") \
     WRONG(frame_creates_buffer, opencl, frame-path-opencl, "slab makes an OpenCL buffer") \

@@ -99,6 +99,8 @@ static sv_status end(const sv_plugin *plugin, const sv_result *result) {
     const cl_uint zero = 0;
     if (a->state == SVA_SLABS && WRONG_IS(frame_blocks))
         (void)clEnqueueWriteBuffer(cl->queue, cl->stats, CL_TRUE, 0, sizeof zero, &zero, 0, NULL, NULL);
+    if (a->state == SVA_SLABS && WRONG_IS(end_minus_78))
+        return sva_error(a, -78, "end: the map is the host's");
     const sv_status status = sva_end(plugin, result);
     if (status >= 0 && WRONG_IS(writes_past_object) && result->depth_object)
         write_a_byte(a, result->depth_object);
