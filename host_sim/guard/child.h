@@ -18,16 +18,16 @@
 
 /* Where its standard output and error go. */
 typedef enum {
-    HS_CHILD_SHOWN,  /* to the parent's standard error, while that waits */
-    HS_CHILD_SPEAKS, /* where the parent's go */
-    HS_CHILD_MUTE
-} hs_child_voice;
+    HS_CHILD_SHOWN,     /* to the parent's standard error, while that waits */
+    HS_CHILD_INHERITED, /* where the parent's go */
+    HS_CHILD_DISCARDED
+} hs_child_output;
 
 /* What a child may take; 0 is no limit. */
 typedef struct {
     uint64_t memory_bytes; /* memory of its own that it has touched (shared mappings do not count) */
     uint64_t said_bytes;   /* of its output that are shown until hs_child_dropped */
-    hs_child_voice voice;
+    hs_child_output output;
 } hs_child_limits;
 
 typedef enum {

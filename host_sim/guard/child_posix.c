@@ -137,9 +137,9 @@ static bool refuse(const char *what, hs_error *err) {
 }
 
 /* The child's end is output[1]; -1: it has the parent's. */
-static bool open_output(hs_child_voice voice, int output[2], hs_error *err) {
-    if (voice == HS_CHILD_SPEAKS) return true;
-    if (voice == HS_CHILD_MUTE)
+static bool open_output(hs_child_output where, int output[2], hs_error *err) {
+    if (where == HS_CHILD_INHERITED) return true;
+    if (where == HS_CHILD_DISCARDED)
         return (output[1] = open("/dev/null", O_WRONLY | O_CLOEXEC)) >= 0 || refuse("/dev/null", err);
     return (pipe2(output, O_CLOEXEC | O_NONBLOCK) == 0 && fcntl(output[1], F_SETFL, 0) == 0) ||
            refuse("no pipe", err);
@@ -189,7 +189,7 @@ bool hs_process_start(hs_child *child, const char *program, char **argv, uint32_
     argv[argc - 1] = mark;
     const bool ok =
         (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0 || refuse("no channel", err)) &&
-        open_output(child->limits.voice, output, err) &&
+        open_output(child->limits.output, output, err) &&
         launch(child, program ? program : "/proc/self/exe", argv, ends[1], output[1], passed, passed_count,
                err);
     child->channel = ends[0];

@@ -53,14 +53,14 @@ static bool open_streams(hs_child *child, HANDLE streams[3], int *own) {
                              OPEN_EXISTING, 0, NULL);
     streams[1] = GetStdHandle(STD_OUTPUT_HANDLE);
     streams[2] = GetStdHandle(STD_ERROR_HANDLE);
-    if (child->limits.voice == HS_CHILD_SPEAKS) {
+    if (child->limits.output == HS_CHILD_INHERITED) {
         for (int i = 1; i < 3; i++)
             (void)SetHandleInformation(streams[i], HANDLE_FLAG_INHERIT, HANDLE_FLAG_INHERIT);
         return true;
     }
     *own = 2;
     streams[1] = NULL;
-    if (child->limits.voice == HS_CHILD_MUTE)
+    if (child->limits.output == HS_CHILD_DISCARDED)
         streams[1] = CreateFileW(L"NUL", GENERIC_WRITE, FILE_SHARE_READ | FILE_SHARE_WRITE, &inherited,
                                  OPEN_EXISTING, 0, NULL);
     else if (CreatePipe(&ours, &streams[1], &inherited, CHANNEL_BYTES))

@@ -40,7 +40,7 @@ static _Noreturn void perform(int (*work)(void *context), void *context) {
 
 int hs_work_in_child(const hs_guard_options *guard, const char *plugin, const char *doing,
                      int (*work)(void *context), void *context, hs_error *err) {
-    const hs_child_limits limits = {.memory_bytes = guard->memory_bytes, .voice = HS_CHILD_SPEAKS};
+    const hs_child_limits limits = {.memory_bytes = guard->memory_bytes, .output = HS_CHILD_INHERITED};
     char found[1024], how[128];
     news last = {0}, heard;
     hs_child child;

@@ -3,6 +3,7 @@
 
 #include "guarded/guarded.h"
 #include "loop/confidence_map.h"
+#include "loop/map_check.h"
 #include "plugin/loader_param.h"
 
 #include <math.h>

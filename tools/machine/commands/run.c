@@ -98,7 +98,7 @@ static bool can_share(const hs_run *run) {
 }
 
 static bool open_loop(hs_run *run, hs_error *err) {
-    const hs_child_limits mute = {.voice = HS_CHILD_MUTE};
+    const hs_child_limits mute = {.output = HS_CHILD_DISCARDED};
     hs_child child = {0};
     hs_error ignored = {0}; /* without a child it only takes longer */
     const double begin = hs_now();

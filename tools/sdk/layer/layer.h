@@ -143,7 +143,7 @@ bool ly_enter(ly_instance *i, const char *call);
 void ly_leave(ly_instance *i, bool entered);
 
 /* Behind a call of this name that returned `status`. */
-void ly_judge_reason(ly_instance *i, const char *call, sv_status status);
+void ly_check_reason(ly_instance *i, const char *call, sv_status status);
 
 /* ------------------------------------------------------------------------------- layer_extensions -- */
 
@@ -151,14 +151,14 @@ void ly_judge_reason(ly_instance *i, const char *call, sv_status status);
 void ly_fill_extensions(ly_instance *i);
 
 /* What needs must return for this, by the same checks. */
-sv_status ly_judge_needs(ly_instance *i, const sv_format *format, const sv_param_value *values,
-                         uint32_t count, const sv_needs_device *device, const sv_needs *out);
+sv_status ly_due_needs(ly_instance *i, const sv_format *format, const sv_param_value *values, uint32_t count,
+                       const sv_needs_device *device, const sv_needs *out);
 
 /* ------------------------------------------------------------------------------------- layer_host -- */
 
 /* What a host's call must return by the header: SV_OK, or the error that the plugin owes. Tells of what is
  * wrong. */
-sv_status ly_judge_host(ly_instance *i, const rc_call *c);
+sv_status ly_due_host(ly_instance *i, const rc_call *c);
 
 /* The plugin's rule that an error belongs to: the one it breaks if it returns none. */
 rule_name ly_rule_of_refusal(const ly_instance *i, const rc_call *c, sv_status due);

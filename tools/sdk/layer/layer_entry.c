@@ -67,7 +67,7 @@ static void load(void) {
         library = NULL;
         refuse("check: SMARTVIS_CHECK_PLUGIN: %.1000s is the layer itself", path, NULL);
     } else
-        judge_entry(&to, inner);
+        rule_entry(&to, inner);
     const sv_descriptor *d = inner ? inner->descriptor(0) : NULL;
     if (inner && (!d || d->size < sizeof *d || !d->id || !d->extensions))
         note_trouble(unusable, RULE_descriptors, "descriptor 0: size, id or extensions is not there");
@@ -137,11 +137,11 @@ static bool describe(ly_instance *i) {
                                    .step = info->step,
                                    .names = read_names(p, info)};
     }
-    judge_param_ids(&i->called, i->described, told);
-    judge_param_strings(&i->called, i->described);
-    judge_param_ranges(&i->called, i->described);
-    judge_param_dependencies(&i->called, i->described);
-    judge_param_flags(&i->called, i->described, p->descriptor);
+    rule_param_ids(&i->called, i->described, told);
+    rule_param_strings(&i->called, i->described);
+    rule_param_ranges(&i->called, i->described);
+    rule_param_dependencies(&i->called, i->described);
+    rule_param_flags(&i->called, i->described, p->descriptor);
     i->method = (sva_method){.descriptor = p->descriptor, .params = i->params, .param_count = count};
     i->shadow = (sva){.method = &i->method,
                       .host = &silent,
@@ -172,7 +172,7 @@ static void SV_CALL ly_destroy(const sv_plugin *plugin) {
     if (!alone)
         rule_tell(&i->asked, RULE_host_threads,
                   "destroy: comes while another call of this instance is under way");
-    (void)ly_judge_host(i, &(rc_call){.kind = RC_DESTROY});
+    (void)ly_due_host(i, &(rc_call){.kind = RC_DESTROY});
     ly_watch_close(i->watch);
     if (i->record && alone)
         rec_before(i->record, &(rc_call){.kind = RC_DESTROY, .plugin = i->inner, .start_ns = ly_now()});
@@ -188,7 +188,7 @@ static void SV_CALL ly_destroy(const sv_plugin *plugin) {
     if (alone) release(i); /* else the other call still needs it */
 }
 
-static void judge_host(const rule_sink *to, const sv_host *h) {
+static void check_host(const rule_sink *to, const sv_host *h) {
     RULE_EXPECT(to, RULE_host_create, h->name && h->version, "create: host.%s is NULL",
                 h->name ? "version" : "name");
     RULE_EXPECT(to, RULE_host_create,
@@ -263,12 +263,12 @@ static const sv_plugin *call_create(ly_instance *i, const char *id, rc_call *c) 
 /* The same, judged. What cannot be used is gone then. */
 static const sv_plugin *create_inner(ly_instance *i, const char *id, sv_status *status) {
     rc_call c = {.kind = RC_CREATE, .start_ns = ly_now()};
-    judge_descriptors(&i->called, inner);
+    rule_descriptors(&i->called, inner);
     const bool known = keep_descriptor(i, id);
     const sv_plugin *p = call_create(i, id, &c);
     *status = c.status;
     if (c.status != SV_OK) return NULL;
-    if (p) judge_instance(&i->called, p);
+    if (p) rule_instance(&i->called, p);
     if (!p || atomic_load(&i->seen[RULE_instance_whole]) > 0) {
         if (p && p->size >= sizeof *p && p->destroy) p->destroy(p);
         *status = SV_ERR_INTERNAL;
@@ -288,7 +288,7 @@ static sv_status create_checked(const sv_host *host, const char *id, const sv_pl
     ly_instance *i = prepare(host);
     if (!i) return status;
     ly_log(i, SV_LOG_INFO, "SmartVis checking layer %s", LY_VERSION);
-    judge_host(&i->called, host);
+    check_host(&i->called, host);
     i->inner = create_inner(i, id, &status);
     if (i->inner && !describe(i)) status = SV_ERR_NO_MEMORY;
     if (i->inner && status == SV_OK && i->stopped != SV_OK) status = i->stopped;

@@ -57,7 +57,7 @@ static void judge(call *c, sv_status status) {
     if (ly_is_lost(c->i)) return;
     RULE_EXPECT(to, c->owed, c->due == SV_OK || status < SV_OK, "%s: returns %s, and %s was due: %s", c->name,
                 name, sv_lookup_status(c->due), c->why);
-    ly_judge_reason(c->i, c->name, status);
+    ly_check_reason(c->i, c->name, status);
 }
 
 /* Behind the plugin's call, if it was made. What the host gets. */
@@ -72,10 +72,10 @@ static sv_status leave(call *c, sv_status status) {
 #define ASK(c, expression)                                                                                   \
     (is_stopped(&(c)) ? SV_OK : (ly_foretell((c).i, (c).name, (c).due, (c).why), (expression)))
 
-static void judge_map(const call *c, sv_status status, const float *map) {
+static void check_map(const call *c, sv_status status, const float *map) {
     const sv_format *f = &c->i->shadow.format;
     if (status == SV_OK && map && c->entered && c->due == SV_OK && !ly_is_lost(c->i))
-        judge_confidence(&c->i->called, map, f->width, f->height, c->name);
+        rule_confidence(&c->i->called, map, f->width, f->height, c->name);
 }
 
 static sv_status SV_CALL ly_confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
@@ -83,7 +83,7 @@ static sv_status SV_CALL ly_confidence_read(const sv_plugin *plugin, float *map,
     need_state(&c, true);
     if (out) need_report(&c, &out->size);
     const sv_status status = ASK(c, c.i->inner_confidence->read(c.i->inner, map, out));
-    judge_map(&c, status, map);
+    check_map(&c, status, map);
     return leave(&c, status);
 }
 
@@ -103,7 +103,7 @@ static sv_status SV_CALL ly_confidence_write(const sv_plugin *plugin, float *map
     blame(&c, (map != NULL) == (object != NULL), SV_ERR_ARGUMENT, RULE_host_result, RULE_null_arguments,
           map ? "both map and object are given" : "neither map nor object is given");
     const sv_status status = ASK(c, c.i->inner_confidence->write(c.i->inner, map, object, offset));
-    judge_map(&c, c.i->shadow.format.queue ? SV_ERR_STATE : status, map); /* else it is there later */
+    check_map(&c, c.i->shadow.format.queue ? SV_ERR_STATE : status, map); /* else it is there later */
     return leave(&c, status);
 }
 
@@ -112,7 +112,7 @@ static sv_status SV_CALL ly_needs_of(const sv_plugin *plugin, const sv_format *f
                                      const sv_needs_device *device, sv_needs *out) {
     call c = enter(plugin, "needs of");
     sv_status due = SV_OK;
-    if (c.entered) due = ly_judge_needs(c.i, format, values, count, device, out);
+    if (c.entered) due = ly_due_needs(c.i, format, values, count, device, out);
     if (due != SV_OK)
         blame(&c, true, due,
               due == SV_ERR_SIZE ? RULE_host_sizes

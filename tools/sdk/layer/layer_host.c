@@ -125,7 +125,7 @@ static sv_status check_objects(ly_instance *i, const rc_call *c) {
 }
 
 /* ---- what no plugin has to refuse */
-static void judge_reserved(const rule_sink *to, const char *call, uint32_t reserved,
+static void check_reserved(const rule_sink *to, const char *call, uint32_t reserved,
                            const sv_param_value *values, uint32_t count) {
     RULE_EXPECT(to, RULE_host_reserved, reserved == 0, "%s: reserved is %u", call, reserved);
     for (uint32_t n = 0; n < count; n++)
@@ -133,19 +133,19 @@ static void judge_reserved(const rule_sink *to, const char *call, uint32_t reser
                     values[n].reserved);
 }
 
-static void judge_slab(ly_instance *i, const sv_slab *slab) {
+static void check_slab(ly_instance *i, const sv_slab *slab) {
     const rule_sink *to = &i->called;
     const sv_format *f = &i->shadow.format;
-    judge_reserved(to, "slab", slab->reserved, NULL, 0);
+    check_reserved(to, "slab", slab->reserved, NULL, 0);
     RULE_EXPECT(to, RULE_host_slabs, sva_in_host_memory(f, slab),
                 "slab: memory lies outside of the format's host_memory, which has %llu bytes",
                 (unsigned long long)f->host_memory_bytes);
 }
 
-static void judge_frame(ly_instance *i, const sv_frame *f) {
+static void check_frame(ly_instance *i, const sv_frame *f) {
     const rule_sink *to = &i->called;
     char probe[200];
-    judge_reserved(to, "begin", f->reserved, f->values, f->value_count);
+    check_reserved(to, "begin", f->reserved, f->values, f->value_count);
     RULE_EXPECT(to, RULE_host_frame, sv_probe_holds(f, probe, sizeof probe), "begin: %s", probe);
     RULE_EXPECT(to, RULE_host_clock,
                 f->time_ns == 0 || f->time_ns >= i->last_time_ns || (f->flags & SV_FRAME_DISCONTINUITY),
@@ -153,16 +153,16 @@ static void judge_frame(ly_instance *i, const sv_frame *f) {
                 (unsigned long long)i->last_time_ns);
 }
 
-static void judge_rest(ly_instance *i, const rc_call *c) {
+static void check_rest(ly_instance *i, const rc_call *c) {
     const rule_sink *to = &i->called;
     if (c->kind == RC_ACTIVATE)
-        judge_reserved(to, "activate", c->format->reserved, c->format->values, c->format->value_count);
-    if (c->kind == RC_BEGIN) judge_frame(i, c->frame);
-    if (c->kind == RC_SLAB) judge_slab(i, c->slab);
-    if (c->kind == RC_ADJUST) judge_reserved(to, "adjust", 0, c->values, c->value_count);
+        check_reserved(to, "activate", c->format->reserved, c->format->values, c->format->value_count);
+    if (c->kind == RC_BEGIN) check_frame(i, c->frame);
+    if (c->kind == RC_SLAB) check_slab(i, c->slab);
+    if (c->kind == RC_ADJUST) check_reserved(to, "adjust", 0, c->values, c->value_count);
 }
 
-sv_status ly_judge_host(ly_instance *i, const rc_call *c) {
+sv_status ly_due_host(ly_instance *i, const rc_call *c) {
     sva *a = &i->shadow;
     a->reason[0] = '\0';
     i->owed = RULE_COUNT;
@@ -175,13 +175,13 @@ sv_status ly_judge_host(ly_instance *i, const rc_call *c) {
     if (due != SV_OK)
         rule_tell(&i->called, RULE_host_objects, "%s", a->reason);
     else
-        judge_rest(i, c);
+        check_rest(i, c);
     return due;
 }
 
 /* ---- smartvis.needs/1 */
-sv_status ly_judge_needs(ly_instance *i, const sv_format *format, const sv_param_value *values,
-                         uint32_t count, const sv_needs_device *device, const sv_needs *out) {
+sv_status ly_due_needs(ly_instance *i, const sv_format *format, const sv_param_value *values, uint32_t count,
+                       const sv_needs_device *device, const sv_needs *out) {
     sva *a = &i->shadow;
     const uint32_t known = SV_NEEDS_CPU | SV_NEEDS_UNIFIED | SV_NEEDS_DOUBLES;
     if (!device || !out)

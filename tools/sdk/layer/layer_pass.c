@@ -38,7 +38,7 @@ static bool is_frames(rc_kind kind) {
 }
 
 /* By what the header says of every call's return. `due` is the error that the plugin owes, and why. */
-static void judge_status(ly_instance *i, const rc_call *c, sv_status due, const char *why) {
+static void check_status(ly_instance *i, const rc_call *c, sv_status due, const char *why) {
     const rule_sink *to = &i->called;
     const char *call = rc_names[c->kind], *name = sv_lookup_status(c->status);
     const bool delivers = c->kind == RC_END || c->kind == RC_ADJUST;
@@ -53,7 +53,7 @@ static void judge_status(ly_instance *i, const rc_call *c, sv_status due, const 
                 "%s: returns %s for a call that the header allows", call, name);
 }
 
-void ly_judge_reason(ly_instance *i, const char *call, sv_status status) {
+void ly_check_reason(ly_instance *i, const char *call, sv_status status) {
     const rule_sink *to = &i->called;
     const char *reason = i->inner->last_error(i->inner);
     RULE_EXPECT(to, RULE_reasons, reason, "%s: last_error is NULL", call);
@@ -66,7 +66,7 @@ void ly_judge_reason(ly_instance *i, const char *call, sv_status status) {
 }
 
 /* A function of its own: a call that takes too long hides no other rule that it breaks. */
-static void judge_time(ly_instance *i, const rc_call *c) {
+static void check_time(ly_instance *i, const rc_call *c) {
     RULE_EXPECT(&i->called, RULE_frame_path_time,
                 !is_frames(c->kind) || c->took_ns <= i->slow_ns || ly_is_lost(i),
                 "%s: took %.1f ms, SMARTVIS_CHECK_MS is %.1f", rc_names[c->kind], (double)c->took_ns * 1e-6,
@@ -74,7 +74,7 @@ static void judge_time(ly_instance *i, const rc_call *c) {
 }
 
 enum { LOCALE_BYTES = 256 };
-static void judge_process(ly_instance *i, const rc_call *c, int rounding, const char *locale) {
+static void check_process(ly_instance *i, const rc_call *c, int rounding, const char *locale) {
     const rule_sink *to = &i->called;
     const char *call = rc_names[c->kind];
     RULE_EXPECT(to, RULE_process_untouched, rounding == fegetround(),
@@ -106,10 +106,10 @@ static void make_call(ly_instance *i, rc_call *c, sv_status due) {
     if (i->record && rec_why(i->record)[0] && !i->told_record && i->outer->log)
         i->outer->log(i->outer, SV_LOG_WARNING, rec_why(i->record));
     i->told_record = i->record && rec_why(i->record)[0];
-    judge_status(i, c, due, why);
-    if (c->kind != RC_DEACTIVATE) ly_judge_reason(i, call, c->status);
-    judge_time(i, c);
-    judge_process(i, c, rounding, control ? locale : NULL);
+    check_status(i, c, due, why);
+    if (c->kind != RC_DEACTIVATE) ly_check_reason(i, call, c->status);
+    check_time(i, c);
+    check_process(i, c, rounding, control ? locale : NULL);
     ly_times *t = &i->times[c->kind];
     t->count++;
     t->sum_ns += c->took_ns;
@@ -170,7 +170,7 @@ static sv_status pass(ly_instance *i, rc_call *c) {
     const bool alone = atomic_load(&i->beside) == 0;
     ly_watch_harvest(i, c->kind == RC_DEACTIVATE);
     const bool lost = ly_is_lost(i);
-    const sv_status due = lost ? SV_OK : ly_judge_host(i, c);
+    const sv_status due = lost ? SV_OK : ly_due_host(i, c);
     c->plugin = i->inner;
     c->sound = due == SV_OK && !lost;
     if (due != SV_OK && i->stopped == SV_OK) ly_foretell(i, rc_names[c->kind], due, i->shadow.reason);

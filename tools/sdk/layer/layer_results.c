@@ -61,9 +61,9 @@ void ly_results_judge(ly_instance *i, const ly_slot *s) {
                           s->stats ? &stats : NULL,
                           s->returned,
                           ly_is_own(w)};
-    judge_depths(&i->called, &map, what);
-    judge_outcome(&i->called, &map, what);
-    if (s->stats) judge_statistics(&i->called, &map);
+    rule_depths(&i->called, &map, what);
+    rule_outcome(&i->called, &map, what);
+    if (s->stats) rule_statistics(&i->called, &map);
 }
 
 /* What of the results is in the block. */
@@ -82,7 +82,7 @@ static void mend(const ly_watch *w, const sv_result *r) {
 }
 
 /* Own queue: the results are there. */
-static void judge_memory(ly_instance *i, const rc_call *c) {
+static void check_memory(ly_instance *i, const rc_call *c) {
     ly_watch *w = i->watch;
     const sv_result *r = c->result;
     ly_slot *s = w->now;
@@ -139,7 +139,7 @@ void ly_results_before(ly_watch *w, const sv_result *r) {
 
 void ly_results_after(ly_instance *i, const rc_call *c) {
     ly_watch *w = i->watch;
-    if (c->status >= SV_OK && ly_is_own(w)) judge_memory(i, c);
+    if (c->status >= SV_OK && ly_is_own(w)) check_memory(i, c);
     if (c->status >= SV_OK && !ly_is_own(w)) enqueue_results(w, c);
     w->now->muddled = ly_is_lost(i);
     if (c->status >= SV_OK) return;

@@ -154,7 +154,7 @@ static void compare_memory(ly_instance *i, rule_name name, uint32_t from, const 
 
 /* ---- what the host must keep */
 /* The layer holds queue and objects of the frame: where it is the only one, the host has let go of them. */
-static void judge_kept(ly_instance *i, const char *call) {
+static void check_kept(ly_instance *i, const char *call) {
     const ly_watch *w = i->watch;
     const rule_sink *to = &i->called;
     cl_uint count = 0;
@@ -189,7 +189,7 @@ void ly_watch_before(ly_instance *i, const rc_call *c) {
     ly_watch *w = i->watch;
     const char *call = rc_names[c->kind];
     if (!w || w->trouble || !c->sound) return;
-    if (c->kind != RC_SLAB) judge_kept(i, call);
+    if (c->kind != RC_SLAB) check_kept(i, call);
     if (c->kind == RC_BEGIN) {
         w->turn++;
         take_slot(w, c->frame->index);

@@ -151,7 +151,7 @@ static void pass_values(rec_cursor *c, rec_item *it) {
 }
 
 /* Names the field of a sound activate that every plugin refuses. */
-static const char *judge_format(const sv_format *f, bool host_queue) {
+static const char *check_format(const sv_format *f, bool host_queue) {
     return f->width == 0                                  ? "width"
            : f->height == 0                               ? "height"
            : f->slices == 0                               ? "slices"
@@ -183,7 +183,7 @@ static void pass_format(rec_cursor *c, rec_item *it) {
     PASS(c, f->flags);
     PASS_LIMITED(c, it->host_queue, 1);
     PASS_LIMITED(c, it->registered, 1);
-    const char *wrong = judge_format(f, it->host_queue == 1);
+    const char *wrong = check_format(f, it->host_queue == 1);
     if (wrong) fail(c, wrong);
     pass_values(c, it);
 }

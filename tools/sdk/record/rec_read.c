@@ -75,7 +75,7 @@ static int broken(const rec_reader *r, uint64_t at, char *error, size_t bytes, c
 
 /* What cannot be there now, or NULL. Behind it a sound call has the format that the plugin was activated
  * with, and its slabs come in turn: whoever plays a recording need not ask. */
-static const char *judge_order(const rec_reader *r, const rec_item *item) {
+static const char *check_order(const rec_reader *r, const rec_item *item) {
     const bool active = r->format.width > 0;
     if (item->type == REC_RETURN && r->open != item->kind + 1) return "a return without its call";
     if (item->type == REC_PLUGIN && r->met) return "a second plugin";
@@ -130,7 +130,7 @@ int rec_reader_next(rec_reader *r, rec_item *item, char *error, size_t bytes) {
     rec_item_pass(&c, item);
     r->data = item->data;
     if (c.bad) return broken(r, start, error, bytes, "this part cannot be: ", field_of(c.bad));
-    const char *out_of_turn = judge_order(r, item);
+    const char *out_of_turn = check_order(r, item);
     if (out_of_turn) return broken(r, start, error, bytes, "this part cannot be here: ", out_of_turn);
     follow(r, item);
     if (item->type != REC_END) return 1;

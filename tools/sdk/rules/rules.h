@@ -308,20 +308,20 @@ bool rule_is_text(const char *text, size_t max_bytes);
 
 enum { RULE_MAX_PLUGINS = 4096, RULE_MAX_PARAMS = 1024, RULE_MAX_TEXT = 1000 };
 
-void judge_entry(const rule_sink *to, const sv_entry *entry);
-void judge_descriptors(const rule_sink *to, const sv_entry *entry); /* the entry is whole */
-void judge_instance(const rule_sink *to, const sv_plugin *plugin);
+void rule_entry(const rule_sink *to, const sv_entry *entry);
+void rule_descriptors(const rule_sink *to, const sv_entry *entry); /* the entry is whole */
+void rule_instance(const rule_sink *to, const sv_plugin *plugin);
 
 /* Parameters as they are reported; `info` has the first of `count`. */
 typedef struct {
     uint32_t count;
     sv_param_info info[RULE_MAX_PARAMS];
 } rule_params;
-void judge_param_ids(const rule_sink *to, const rule_params *params, uint32_t told);
-void judge_param_strings(const rule_sink *to, const rule_params *params);
-void judge_param_ranges(const rule_sink *to, const rule_params *params);
-void judge_param_dependencies(const rule_sink *to, const rule_params *params);
-void judge_param_flags(const rule_sink *to, const rule_params *params, const sv_descriptor *descriptor);
+void rule_param_ids(const rule_sink *to, const rule_params *params, uint32_t told);
+void rule_param_strings(const rule_sink *to, const rule_params *params);
+void rule_param_ranges(const rule_sink *to, const rule_params *params);
+void rule_param_dependencies(const rule_sink *to, const rule_params *params);
+void rule_param_flags(const rule_sink *to, const rule_params *params, const sv_descriptor *descriptor);
 
 /* What came out of a frame. Before it every depth was NaN, and every status 0xff. */
 typedef struct {
@@ -332,8 +332,8 @@ typedef struct {
     sv_status returned;    /* by end or adjust */
     bool own_queue;
 } rule_map;
-void judge_depths(const rule_sink *to, const rule_map *map, const char *what);
-void judge_outcome(const rule_sink *to, const rule_map *map, const char *what);
-void judge_statistics(const rule_sink *to, const rule_map *map);
-void judge_confidence(const rule_sink *to, const float *map, uint32_t width, uint32_t height,
-                      const char *what);
+void rule_depths(const rule_sink *to, const rule_map *map, const char *what);
+void rule_outcome(const rule_sink *to, const rule_map *map, const char *what);
+void rule_statistics(const rule_sink *to, const rule_map *map);
+void rule_confidence(const rule_sink *to, const float *map, uint32_t width, uint32_t height,
+                     const char *what);

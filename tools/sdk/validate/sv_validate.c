@@ -92,7 +92,7 @@ static void report_accident(const hs_child_end *end, const v_report *report, v_f
 static bool run_in_child(const v_options *options, intptr_t shared, const job *j, v_finding *out,
                          hs_error *err) {
     const hs_child_limits limits = {.memory_bytes = MEMORY_BYTES,
-                                    .voice = options->verbose ? HS_CHILD_SHOWN : HS_CHILD_MUTE};
+                                    .output = options->verbose ? HS_CHILD_SHOWN : HS_CHILD_DISCARDED};
     const bool late = out->check->needs && strcmp(out->check->needs, "first-frame") == 0;
     hs_child child;
     if (!hs_child_again(&child, &limits, &shared, 1, err)) return false;

@@ -23,7 +23,7 @@ void check_depth_values(v_run *run) {
         char what[64];
         (void)snprintf(what, sizeof what, "a %s volume", v_kind_name((v_kind)kind));
         const v_map map = frame_of(r, &way, (v_kind)kind);
-        v_map_judge_depths(run, &map, way.slices, what);
+        v_map_check_depths(run, &map, way.slices, what);
     }
 }
 
@@ -52,7 +52,7 @@ void check_frame_outcome(v_run *run) {
                  p->last_error(p));
         const v_map map = v_collect(&r->stage, status);
         const rule_map judged = judged_map(&map, &way);
-        judge_outcome(&to, &judged, v_kind_name((v_kind)kind));
+        rule_outcome(&to, &judged, v_kind_name((v_kind)kind));
     }
 }
 
@@ -63,7 +63,7 @@ void check_frame_statistics(v_run *run) {
     for (int kind = 0; kind < V_KINDS; kind++) {
         const v_map map = frame_of(r, &way, (v_kind)kind);
         const rule_map judged = judged_map(&map, &way);
-        judge_statistics(&to, &judged);
+        rule_statistics(&to, &judged);
     }
 }
 
@@ -85,7 +85,7 @@ static void try_bands(v_rig *r, uint8_t byte, bool all) {
     const v_map map = v_collect(st, status);
     const char *place = stage_trespass(st, byte);
     V_EXPECT(run, !place, "end writes %s", place);
-    v_map_judge_depths(run, &map, st->format.slices,
+    v_map_check_depths(run, &map, st->format.slices,
                        st->way.pitch ? "with a depth_pitch" : "without a depth_pitch");
     for (uint32_t i = 0; !all && i < map.width * map.height; i++)
         V_EXPECT(run, map.status[i] == byte, "end writes a status map where none was asked for");
@@ -126,7 +126,7 @@ void check_frame_shapes(v_run *run) {
         if (i % 2) way.extra_w = way.extra_h = way.extra_pitch = 0;
         (void)snprintf(what, sizeof what, "%u x %u x %u", way.width, way.height, way.slices);
         const v_map map = frame_of(r, &way, V_LAYERS);
-        v_map_judge_depths(run, &map, way.slices, what);
+        v_map_check_depths(run, &map, way.slices, what);
     }
 }
 
@@ -188,7 +188,7 @@ static void try_confidence(v_rig *r, const sv_ext_confidence *ext, v_kind kind) 
     sv_status status = ext->write(p, map, NULL, 0);
     V_EXPECT(run, status == SV_OK, "confidence write: %s: %s", v_status(status), p->last_error(p));
     if (r->stage.device.queue) (void)clFinish(r->stage.device.queue);
-    judge_confidence(&to, map, r->stage.format.width, r->stage.format.height, "confidence write");
+    rule_confidence(&to, map, r->stage.format.width, r->stage.format.height, "confidence write");
     for (size_t i = 0; i < GUARD; i++)
         V_EXPECT(run, room[i] == -7.0f && map[rays + i] == -7.0f, "confidence write writes beside its map");
     v_where(run, "confidence read");

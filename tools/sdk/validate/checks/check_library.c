@@ -74,7 +74,7 @@ void check_entry_whole(v_run *run) {
     const rule_sink to = v_sink(run);
     const sv_entry *e = library_find(load(run), SV_ENTRY_SYMBOL);
     V_EXPECT(run, e, "the library exports no symbol " SV_ENTRY_SYMBOL);
-    judge_entry(&to, e);
+    rule_entry(&to, e);
 }
 
 void check_descriptors(v_run *run) {
@@ -82,7 +82,7 @@ void check_descriptors(v_run *run) {
     v_subject s;
     v_load(run, &s);
     v_where(run, "descriptor");
-    judge_descriptors(&to, s.entry);
+    rule_descriptors(&to, s.entry);
     if (s.entry->count > 1 && !run->id)
         v_warn(run, "the library holds %u plugins; the other checks try %s, --id tries another",
                s.entry->count, s.entry->descriptor(0)->id);

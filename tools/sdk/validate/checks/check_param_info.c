@@ -31,7 +31,7 @@ static table *read_table(v_run *run) {
 #define JUDGED(name, ...)                                                                                    \
     void check_##name(v_run *run) {                                                                          \
         const table *t = read_table(run);                                                                    \
-        judge_##name(&t->to, &t->all __VA_ARGS__);                                                           \
+        rule_##name(&t->to, &t->all __VA_ARGS__);                                                            \
     }
 JUDGED(param_ids, , t->told)
 JUDGED(param_strings, )

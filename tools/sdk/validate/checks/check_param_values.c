@@ -178,7 +178,7 @@ void check_param_fuzz(v_run *run) {
         if (status < 0) continue; /* values that are fine alone may exclude each other */
         char what[48];
         (void)snprintf(what, sizeof what, "random values, frame %u", turn);
-        v_map_judge_depths(run, &map, r->stage.format.slices, what);
+        v_map_check_depths(run, &map, r->stage.format.slices, what);
         done++;
     }
     v_note(run, "%u frames with random values, %u of them refused", turns, turns - done);

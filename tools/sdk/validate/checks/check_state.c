@@ -143,7 +143,7 @@ enum { MAX_VALUES = 64 };
 static v_params params;
 
 static void inspect_map(v_run *run, const v_map *map, uint32_t slices, const char *what) {
-    v_map_judge_depths(run, map, slices, what);
+    v_map_check_depths(run, map, slices, what);
     V_EXPECT(run, map->outcome == SV_OK || map->outcome == SV_PARTIAL || map->outcome == SV_NO_SURFACE,
              "%s: the outcome is %s", what, v_status(map->outcome));
     V_EXPECT(run, map->stats.rays == map->width * map->height && map->stats.unfilled <= map->stats.rays,

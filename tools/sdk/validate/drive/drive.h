@@ -223,8 +223,8 @@ typedef struct {
     sv_status outcome;  /* `returned`, or with the host's queue and a success what the statistics say */
 } v_map;
 
-/* The depths, as judge_depths judges them. */
-void v_map_judge_depths(v_run *run, const v_map *map, uint32_t slices, const char *what);
+/* The depths, as rule_depths judges them. */
+void v_map_check_depths(v_run *run, const v_map *map, uint32_t slices, const char *what);
 
 /* Says where two maps differ, in one of a few texts that are used in turn, or NULL if depths (to the bit),
  * status maps and outcome are the same. */

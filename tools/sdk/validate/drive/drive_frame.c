@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-void v_map_judge_depths(v_run *run, const v_map *map, uint32_t slices, const char *what) {
+void v_map_check_depths(v_run *run, const v_map *map, uint32_t slices, const char *what) {
     const rule_sink to = v_sink(run);
     const rule_map judged = {
         .width = map->width, .height = map->height, .slices = slices, .depth = map->depth};
-    judge_depths(&to, &judged, what);
+    rule_depths(&to, &judged, what);
 }
 
 const char *v_map_difference(const v_map *a, const v_map *b) {

@@ -74,7 +74,7 @@ void v_load(v_run *run, v_subject *s) {
     s->entry = library_find(s->library, SV_ENTRY_SYMBOL);
     V_EXPECT(run, s->entry, "the library exports no symbol " SV_ENTRY_SYMBOL);
     const rule_sink to = v_sink(run);
-    judge_entry(&to, s->entry);
+    rule_entry(&to, s->entry);
 }
 
 static void find_descriptor(v_subject *s) {
@@ -95,7 +95,7 @@ const sv_plugin *v_another(v_subject *s) {
     V_EXPECT(s->run, status == SV_OK, "create: %s: %s", v_status(status), s->host.line);
     V_EXPECT(s->run, p, "create: SV_OK, and *out is NULL");
     const rule_sink to = v_sink(s->run);
-    judge_instance(&to, p);
+    rule_instance(&to, p);
     return p;
 }
 

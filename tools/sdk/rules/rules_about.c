@@ -7,7 +7,7 @@
 
 enum { MAX_EXTENSIONS = 256 };
 
-void judge_entry(const rule_sink *to, const sv_entry *e) {
+void rule_entry(const rule_sink *to, const sv_entry *e) {
     RULE_EXPECT(to, RULE_entry_whole, e->abi_major == SV_ABI_MAJOR, "entry.abi_major is %u, expected %u",
                 e->abi_major, SV_ABI_MAJOR);
     RULE_EXPECT(to, RULE_entry_whole, e->size >= sizeof *e, "entry.size is %u, expected at least %zu",
@@ -18,7 +18,7 @@ void judge_entry(const rule_sink *to, const sv_entry *e) {
                 e->descriptor ? "create" : "descriptor");
 }
 
-static void judge_texts(const rule_sink *to, uint32_t index, const sv_descriptor *d) {
+static void rule_texts(const rule_sink *to, uint32_t index, const sv_descriptor *d) {
     const struct {
         const char *field, *text;
     } list[] = {{"id", d->id},
@@ -36,7 +36,7 @@ static void judge_texts(const rule_sink *to, uint32_t index, const sv_descriptor
     }
 }
 
-static void judge_bits(const rule_sink *to, uint32_t index, const sv_descriptor *d) {
+static void rule_bits(const rule_sink *to, uint32_t index, const sv_descriptor *d) {
     const struct {
         const char *field;
         uint32_t value, known, needed;
@@ -63,7 +63,7 @@ static void judge_bits(const rule_sink *to, uint32_t index, const sv_descriptor 
                 "descriptor %u: carriers is 0x%x, but OpenCL objects need SV_QUEUE_HOST", index, d->carriers);
 }
 
-static void judge_extensions(const rule_sink *to, uint32_t index, const sv_descriptor *d) {
+static void rule_extensions(const rule_sink *to, uint32_t index, const sv_descriptor *d) {
     RULE_EXPECT(to, RULE_descriptors, d->extensions, "descriptor %u: extensions is NULL", index);
     for (uint32_t i = 0; d->extensions[i]; i++) {
         RULE_EXPECT(to, RULE_descriptors, i < MAX_EXTENSIONS,
@@ -75,7 +75,7 @@ static void judge_extensions(const rule_sink *to, uint32_t index, const sv_descr
     }
 }
 
-void judge_descriptors(const rule_sink *to, const sv_entry *entry) {
+void rule_descriptors(const rule_sink *to, const sv_entry *entry) {
     const uint32_t count = entry->count < RULE_MAX_PLUGINS ? entry->count : RULE_MAX_PLUGINS;
     for (uint32_t i = 0; i < count; i++) {
         const sv_descriptor *d = entry->descriptor(i);
@@ -83,9 +83,9 @@ void judge_descriptors(const rule_sink *to, const sv_entry *entry) {
                     entry->count);
         RULE_EXPECT(to, RULE_descriptors, d->size >= sizeof *d,
                     "descriptor %u: size is %u, expected at least %zu", i, d->size, sizeof *d);
-        judge_texts(to, i, d);
-        judge_bits(to, i, d);
-        judge_extensions(to, i, d);
+        rule_texts(to, i, d);
+        rule_bits(to, i, d);
+        rule_extensions(to, i, d);
         if (!d->id) return;
         for (uint32_t k = 0; k < i; k++)
             RULE_EXPECT(to, RULE_descriptors, strcmp(entry->descriptor(k)->id, d->id) != 0,
@@ -95,7 +95,7 @@ void judge_descriptors(const rule_sink *to, const sv_entry *entry) {
                 "descriptor(%u) is not NULL, and entry.count is %u", entry->count, entry->count);
 }
 
-void judge_instance(const rule_sink *to, const sv_plugin *p) {
+void rule_instance(const rule_sink *to, const sv_plugin *p) {
     RULE_EXPECT(to, RULE_instance_whole, p->size >= sizeof *p, "instance.size is %u, expected at least %zu",
                 p->size, sizeof *p);
     RULE_EXPECT(to, RULE_instance_whole,
@@ -106,7 +106,7 @@ void judge_instance(const rule_sink *to, const sv_plugin *p) {
     RULE_EXPECT(to, RULE_instance_whole, p->reserved == 0, "instance.reserved is %u", p->reserved);
 }
 
-void judge_param_ids(const rule_sink *to, const rule_params *params, uint32_t told) {
+void rule_param_ids(const rule_sink *to, const rule_params *params, uint32_t told) {
     for (uint32_t i = 0; i < params->count; i++) {
         RULE_EXPECT(to, RULE_param_ids, params->info[i].id != 0, "the id of parameter %u is 0", i);
         for (uint32_t k = 0; k < i; k++)
@@ -121,7 +121,7 @@ static bool is_key(const char *key) {
     return key[0] && strlen(key) <= 63 && strspn(key, "abcdefghijklmnopqrstuvwxyz0123456789_") == strlen(key);
 }
 
-void judge_param_strings(const rule_sink *to, const rule_params *params) {
+void rule_param_strings(const rule_sink *to, const rule_params *params) {
     for (uint32_t i = 0; i < params->count; i++) {
         const sv_param_info *p = &params->info[i];
         const struct {
@@ -147,7 +147,7 @@ static bool is_on_step(const sv_param_info *p, double value) {
     return n == floor(n);
 }
 
-void judge_param_ranges(const rule_sink *to, const rule_params *params) {
+void rule_param_ranges(const rule_sink *to, const rule_params *params) {
     for (uint32_t i = 0; i < params->count; i++) {
         const sv_param_info *p = &params->info[i];
         const char *key = p->key ? p->key : "";
@@ -187,7 +187,7 @@ static const sv_param_info *find(const rule_params *params, uint32_t id) {
     return NULL;
 }
 
-void judge_param_dependencies(const rule_sink *to, const rule_params *params) {
+void rule_param_dependencies(const rule_sink *to, const rule_params *params) {
     for (uint32_t i = 0; i < params->count; i++) {
         const sv_param_info *p = &params->info[i];
         const char *key = p->key ? p->key : "";
@@ -209,7 +209,7 @@ void judge_param_dependencies(const rule_sink *to, const rule_params *params) {
     }
 }
 
-void judge_param_flags(const rule_sink *to, const rule_params *params, const sv_descriptor *descriptor) {
+void rule_param_flags(const rule_sink *to, const rule_params *params, const sv_descriptor *descriptor) {
     const uint32_t known = SV_PARAM_PRIMARY | SV_PARAM_EXPERT | SV_PARAM_REACTIVATE | SV_PARAM_ADJUST;
     uint32_t primaries = 0, adjustable = 0;
     for (uint32_t i = 0; i < params->count; i++) {

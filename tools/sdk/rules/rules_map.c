@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-void judge_depths(const rule_sink *to, const rule_map *map, const char *what) {
+void rule_depths(const rule_sink *to, const rule_map *map, const char *what) {
     const uint32_t rays = map->width * map->height;
     const float limit = 2.0f * (float)map->slices;
     uint32_t bad = 0;
@@ -32,7 +32,7 @@ static const char *name_of(sv_status status) {
     return name ? name : "a status that nobody knows";
 }
 
-void judge_outcome(const rule_sink *to, const rule_map *map, const char *what) {
+void rule_outcome(const rule_sink *to, const rule_map *map, const char *what) {
     const sv_stats *s = map->stats;
     uint32_t zeros = 0;
     RULE_EXPECT(to, RULE_frame_outcome, map->own_queue ? is_outcome(map->returned) : map->returned == SV_OK,
@@ -51,7 +51,7 @@ void judge_outcome(const rule_sink *to, const rule_map *map, const char *what) {
                 "%s: the outcome is SV_PARTIAL, and no depth is 0", what);
 }
 
-void judge_statistics(const rule_sink *to, const rule_map *map) {
+void rule_statistics(const rule_sink *to, const rule_map *map) {
     const sv_stats *s = map->stats;
     const uint32_t rays = map->width * map->height;
     RULE_EXPECT(to, RULE_frame_statistics, s->size == sizeof *s, "end changes stats.size to %u", s->size);
@@ -79,8 +79,8 @@ void judge_statistics(const rule_sink *to, const rule_map *map) {
                 "stats.points is %u, and the status map marks %u rays", s->points, marked);
 }
 
-void judge_confidence(const rule_sink *to, const float *map, uint32_t width, uint32_t height,
-                      const char *what) {
+void rule_confidence(const rule_sink *to, const float *map, uint32_t width, uint32_t height,
+                     const char *what) {
     for (uint32_t i = 0; i < width * height; i++)
         RULE_EXPECT(to, RULE_confidence, map[i] >= 0.0f && map[i] <= 1.0f,
                     "%s: the confidence of ray (%u, %u) is %.9g, expected 0 .. 1", what, i % width, i / width,
