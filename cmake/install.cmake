@@ -21,7 +21,7 @@ endforeach()
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/${SV_PACKAGE_FOLDER}/SmartVisPluginConfigVersion.cmake
   VERSION ${SV_ABI_VERSION} COMPATIBILITY SameMajorVersion ARCH_INDEPENDENT)
 configure_file(cmake/smartvis-plugin.pc.in ${SV_PC_FOLDER}/smartvis-plugin.pc @ONLY)
-if(NOT CMAKE_CROSSCOMPILING)
+if(NOT WIN32)
   file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/smartvis)
   file(CREATE_LINK ${CMAKE_SOURCE_DIR}/data/scenes ${CMAKE_BINARY_DIR}/share/smartvis/scenes SYMBOLIC)
   file(CREATE_LINK ${CMAKE_SOURCE_DIR}/include ${CMAKE_BINARY_DIR}/include SYMBOLIC)
@@ -68,7 +68,7 @@ install(DIRECTORY bindings DESTINATION share/smartvis COMPONENT dev
   PATTERN Cargo.lock EXCLUDE)
 
 # Manual pages are made from what the programs say of themselves, so they cannot differ from it.
-if(NOT CMAKE_CROSSCOMPILING)
+if(NOT WIN32 AND NOT CMAKE_CROSSCOMPILING)
   foreach(program ${SV_PROGRAMS})
     set(page ${CMAKE_BINARY_DIR}/share/man/man1/${program}.1)
     add_custom_command(OUTPUT ${page}

@@ -32,10 +32,13 @@ libraries=$!
 # An example in C++ for this machine, to compare with.
 cmake -S examples/cpp -B "$out/cpp_here" -G Ninja -D "CMAKE_PREFIX_PATH=$build" > /dev/null
 cmake --build "$out/cpp_here" > /dev/null
+# The plugin alone, as docs/systems.md has it, is what the examples are built against.
+cross . alone -D SV_PLUGIN_ONLY=ON
+cmake --install "$out/alone" --prefix "$out/sdk" > "$out/there.log"
 wait $libraries
 cross . plugin -D SV_WERROR="${SV_WERROR:-OFF}"
 cmake --install "$out/plugin" --prefix "$out/installed" > "$out/there.log"
-here=(-D "CMAKE_PREFIX_PATH=$out/installed" -D CMAKE_EXE_LINKER_FLAGS=-static -D CMAKE_MODULE_LINKER_FLAGS=-static)
+here=(-D "CMAKE_PREFIX_PATH=$out/sdk" -D CMAKE_EXE_LINKER_FLAGS=-static -D CMAKE_MODULE_LINKER_FLAGS=-static)
 for example in small_host queue_host template first_edge kernel_edge cpp; do cross examples/$example $example "${here[@]}"; done
 
 for library in smartvis smartvis_check; do

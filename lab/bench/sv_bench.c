@@ -105,7 +105,7 @@ static bool take_size(void *all, const char *text, hs_error *err) {
 
 #define AT(field) offsetof(options, field)
 static const hs_option known[] = {
-    HS_TEXT("plugin", "PATH", AT(plugin), "plugin library (default: smartvis.so beside this program)"),
+    HS_TEXT("plugin", "PATH", AT(plugin), "plugin library [smartvis beside this program]"),
     HS_TEXT("id", "ID", AT(id), "the library's plugin of that id (default: its first)"),
     HS_TAKEN("only", "PART", 0, take_part,
              "'plugin' (the default), or 'worst': 10000 frames of each combination, as the plugin\n"
