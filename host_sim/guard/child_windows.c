@@ -193,7 +193,8 @@ bool hs_process_collect(hs_child *child, bool waits, hs_child_end *end, bool *ki
     (void)CloseHandle(process);
     (void)TerminateJobObject((HANDLE)child->job, KILLED);
     *killed = code == KILLED;
-    end->fate = code >> 28 == 0xC ? HS_CHILD_CRASHED : HS_CHILD_LEFT; /* an error's code, but no exit(-1) */
+    const bool crashed = code >= 0xC0000000u && code < 0xF0000000u; /* an error's code, but no exit(-1) */
+    end->fate = crashed ? HS_CHILD_CRASHED : HS_CHILD_LEFT;
     end->number = (int)code;
     return true;
 }
