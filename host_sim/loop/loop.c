@@ -67,6 +67,10 @@ static void look(const hs_loop_options *o, const hs_volume *volume, uint32_t ind
 }
 
 void hs_loop_camera(const hs_loop *loop, uint32_t index, hs_camera *camera) {
+    if (loop->in_frame && index == loop->current) {
+        *camera = loop->camera;
+        return;
+    }
     look(&loop->options, hs_source_shape(loop->source), index, camera);
     hs_camera_merge_box(camera, &loop->box);
 }
@@ -361,14 +365,14 @@ bool hs_loop_ask(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) 
     return true;
 }
 
-bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *frame, hs_error *err) {
-    *frame = (hs_frame){.outcome = SV_OK};
-    hs_camera camera;
+static bool run_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *frame, hs_error *err) {
     const double start = hs_now();
-    hs_loop_camera(loop, index, &camera);
+    hs_loop_camera(loop, index, &loop->camera);
+    loop->current = index;
+    loop->in_frame = true;
     if (!hs_loop_bring(loop, index, err) || !wait_for(loop, "clFinish (upload)", err)) return false;
     const double uploaded = hs_now();
-    if (setting != HS_SETTING_DVR && (!hs_slabs_convert(loop->slabs, loop->volume, &camera, err) ||
+    if (setting != HS_SETTING_DVR && (!hs_slabs_convert(loop->slabs, loop->volume, &loop->camera, err) ||
                                       !wait_for(loop, "clFinish (scan conversion)", err)))
         return false;
     const double converted = hs_now();
@@ -383,4 +387,11 @@ bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *
     frame->ms[HS_STAGE_DVR] = (end - clipped) * 1e3;
     frame->ms[HS_STAGE_LOOP] = (end - start) * 1e3;
     return true;
+}
+
+bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *frame, hs_error *err) {
+    *frame = (hs_frame){.outcome = SV_OK};
+    const bool ok = run_frame(loop, setting, index, frame, err);
+    loop->in_frame = false;
+    return ok;
 }

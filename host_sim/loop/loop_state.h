@@ -24,6 +24,9 @@ struct hs_loop {
     bool turned;    /* the camera, since that frame */
     uint32_t asked; /* the frame that the plugin's last map is of */
     float *marked;  /* that map with the marks; NULL until there are some */
+    bool in_frame;  /* number `current` is under way: its camera is found once */
+    uint32_t current;
+    hs_camera camera;
 };
 
 /* Frame `index` on its own: it continues nothing. */

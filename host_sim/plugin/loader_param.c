@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "plugin/loader_param.h"
 
+#include "smartvis/lookup.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,6 +27,11 @@ bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_inf
     for (uint32_t i = 0; i < count; i++)
         if (param_at(plugin, i, info) && strcmp(info->key, key) == 0) return true;
     return false;
+}
+
+bool hs_plugin_is_fixed(const hs_plugin *plugin, uint32_t id) {
+    sv_param_info info;
+    return sv_lookup_id(plugin->instance, id, &info) && (info.flags & SV_PARAM_REACTIVATE);
 }
 
 bool hs_plugin_find_primary(const hs_plugin *plugin, sv_param_info *info) {

@@ -72,17 +72,6 @@ static void cannot_have(void *data, const char *what, cl_int code) {
     exit(HS_ERR_MEMORY);
 }
 
-/* The values that only activate reads. */
-static void take_fixed(const surf_session *s, stage_way *way) {
-    const sv_plugin *p = s->plugin.instance;
-    for (uint32_t i = 0; i < hs_plugin_param_count(&s->plugin); i++) {
-        sv_param_info info = {.size = sizeof info};
-        if (p->param_info(p, i, &info) != SV_OK || !(info.flags & SV_PARAM_REACTIVATE)) continue;
-        for (uint32_t v = 0; v < s->values.count; v++)
-            if (s->values.at[v].id == info.id) way->fixed[way->fixed_count++] = s->values.at[v];
-    }
-}
-
 /* One tile to a texture row: a slab lies in memory as the volume does. */
 static bool activate(surf_session *s, const wall_case *c, hs_error *err) {
     const sv_plugin *p = s->plugin.instance;
@@ -99,7 +88,9 @@ static bool activate(surf_session *s, const wall_case *c, hs_error *err) {
     deactivate(s);
     for (int axis = 0; axis < 3; axis++) way.spacing_mm[axis] = (float)c->spacing_mm[axis];
     memcpy(s->spacing_mm, c->spacing_mm, sizeof s->spacing_mm);
-    take_fixed(s, &way);
+    for (uint32_t v = 0; v < s->values.count; v++)
+        if (hs_plugin_is_fixed(&s->plugin, s->values.at[v].id))
+            way.fixed[way.fixed_count++] = s->values.at[v];
     stage_make(&s->stage, &way, NULL, cannot_have, NULL);
     s->depth = stage_result(&s->stage).depth;
     s->scanned = calloc(rays, sizeof *s->scanned);

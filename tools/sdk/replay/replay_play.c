@@ -117,15 +117,6 @@ static void learn_ids(player *p) {
     }
 }
 
-static bool is_fixed(const player *p, uint32_t id) {
-    for (uint32_t i = 0; i < hs_plugin_param_count(&p->plugin); i++) {
-        sv_param_info info = {.size = sizeof info};
-        if (p->plugin.instance->param_info(p->plugin.instance, i, &info) == SV_OK && info.id == id)
-            return (info.flags & SV_PARAM_REACTIVATE) != 0;
-    }
-    return false;
-}
-
 /* The recorded list without what is set on the command line, and that behind it: a repeated id's last value
  * counts. `activating`: only what activate reads. */
 static uint32_t list_values(player *p, bool activating) {
@@ -137,7 +128,7 @@ static uint32_t list_values(player *p, bool activating) {
         if (!set) p->values[count++] = (sv_param_value){.id = id, .value = p->item.values[i].value};
     }
     for (uint32_t s = 0; s < p->o->set_count; s++)
-        if (is_fixed(p, p->sets[s].id) == activating) p->values[count++] = p->sets[s];
+        if (hs_plugin_is_fixed(&p->plugin, p->sets[s].id) == activating) p->values[count++] = p->sets[s];
     return count;
 }
 
