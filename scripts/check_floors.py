@@ -55,7 +55,7 @@ lab/eval | abi MACHINE host_sim/loop . | libc opencl zlib
 lab/report | abi HOST tools/machine/show tools/machine/commands lab/page lab/eval . | libc opencl json zlib
 tools/machine/console | abi HOST tools/machine/show tools/machine/commands kernels . | libc opencl json web
 lab/bench | abi HOST tools/sdk/stage . | libc opencl futex
-lab/judge | abi HOST shared src src/ref tools/sdk/stage lab/eval . | libc opencl json
+lab/judge | abi HOST src src/ref tools/sdk/stage lab/eval . | libc opencl json
 tools/sdk/layer | abi host_sim/base tools/sdk/rules tools/sdk/record . | libc opencl
 tools/sdk/record | abi host_sim/base tools/sdk/rules . | libc opencl zlib
 tools/sdk/replay | abi HOST tools/machine/show tools/sdk/rules tools/sdk/record . | libc opencl
