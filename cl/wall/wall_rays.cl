@@ -10,18 +10,18 @@
 /* The first run of LANES rays, found from front to back. */
 typedef struct {
     i16l begin, end;   /* of the run */
-    u8l begun, over;   /* masks */
+    u8l seen, ended;   /* masks */
     u8l maximum, last; /* its maximum brightness behind the skin, and that of its last layer */
 } walk_t;
 
 static void walk_step(walk_t *w, short z, short skin, u8l tissue, u8l brightness) {
-    const u8l begins = tissue & ~w->begun;
+    const u8l begins = tissue & ~w->seen;
     if (any_byte(begins)) w->begin = SELECT(w->begin, (i16l)(z), words_of(begins));
-    w->begun |= begins;
-    const u8l ends = w->begun & ~tissue & ~w->over;
+    w->seen |= begins;
+    const u8l ends = w->seen & ~tissue & ~w->ended;
     if (any_byte(ends)) w->end = SELECT(w->end, (i16l)(z), words_of(ends));
-    w->over |= ends;
-    const u8l in_run = w->begun & ~w->over, here = brightness & in_run;
+    w->ended |= ends;
+    const u8l in_run = w->seen & ~w->ended, here = brightness & in_run;
     const u8l behind_skin = here & bytes_of(w->begin <= (i16l)((short)(z - skin)));
     w->maximum = MAXIMUM(w->maximum, behind_skin);
     w->last = SELECT(w->last, here, AS_I8(in_run));
@@ -30,7 +30,7 @@ static void walk_step(walk_t *w, short z, short skin, u8l tissue, u8l brightness
 /* Counts the rays that begin in the wall with fluid behind it, by the brightness of the wall. */
 static void count_walls(const sv_wall_layout *l, const walk_t *w, i16l first, i16l end,
                         __global uint *histogram) {
-    const i16l is_wall = words_of(w->begun) & (w->begin == first) & (w->end < end);
+    const i16l is_wall = words_of(w->seen) & (w->begin == first) & (w->end < end);
     if (!any_word(is_wall)) return;
     const u8l thin = bytes_of(w->end - w->begin <= (i16l)((short)l->skin));
     const u8l maxima = SELECT(w->maximum, w->last, AS_I8(thin));
@@ -60,9 +60,9 @@ static void dilate_columns(const sv_wall_layout *l, __global const uchar *row_ma
 static walk_t walk_rays(const sv_wall_layout *l, __global const uchar *levels,
                         __global const uchar *brightness, uint row, uint x, uint from, i16l end) {
     walk_t w = {
-        .begin = end, .end = end, .begun = (u8l)(0), .over = (u8l)(0), .maximum = (u8l)(0), .last = (u8l)(0)};
+        .begin = end, .end = end, .seen = (u8l)(0), .ended = (u8l)(0), .maximum = (u8l)(0), .last = (u8l)(0)};
     const u8l scanned = bytes_of(end > (i16l)(0));
-    for (uint z = from; z < l->layers && any_byte(scanned & ~w.over); z++) {
+    for (uint z = from; z < l->layers && any_byte(scanned & ~w.ended); z++) {
         const u8l level = ((__global const u8l *)(levels + level_row(l, z, row)))[x];
         const u8h cells = ((__global const u8h *)(brightness + cell_row(l, z, row / 2)))[x];
         walk_step(&w, (short)z, (short)l->skin, tissue_of(level), rays_of_cells(cells));

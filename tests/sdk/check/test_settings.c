@@ -13,16 +13,16 @@ typedef struct {
     stage *textures[RIG_KIND_COUNT];
     uint8_t *volumes[RIG_KIND_COUNT];
     rig_format format;
-} bench;
+} subject;
 
-static bench open_bench(rig *r, uint32_t strategy) {
-    bench b = {.r = r,
-               .format = {.width = WIDTH,
-                          .height = HEIGHT,
-                          .slices = SLICES,
-                          .slab_slices = 7,
-                          .padding = SV_NO_PADDING,
-                          .fixed = {{rig_param(r, "strategy"), 0, strategy}}}};
+static subject open_subject(rig *r, uint32_t strategy) {
+    subject b = {.r = r,
+                 .format = {.width = WIDTH,
+                            .height = HEIGHT,
+                            .slices = SLICES,
+                            .slab_slices = 7,
+                            .padding = SV_NO_PADDING,
+                            .fixed = {{rig_param(r, "strategy"), 0, strategy}}}};
     for (uint32_t kind = 0; kind < RIG_KIND_COUNT; kind++) {
         b.volumes[kind] = rig_volume(kind, WIDTH, HEIGHT, SLICES, 11 + strategy);
         b.textures[kind] = rig_stage(r, &b.format, b.volumes[kind]);
@@ -34,7 +34,7 @@ static bench open_bench(rig *r, uint32_t strategy) {
 /* Frames 0 .. count - 1 of settings, on every kind of volume in turn, in every layout of the work. */
 static void compare_all(rig *r, const char *what, uint32_t count, rig_settings (*settings)(uint32_t n)) {
     for (uint32_t strategy = 1; strategy <= 3; strategy++) {
-        bench b = open_bench(r, strategy);
+        subject b = open_subject(r, strategy);
         for (uint32_t n = 0; n < count; n++) {
             const uint32_t kind = n % RIG_KIND_COUNT;
             const rig_settings s = settings(n);

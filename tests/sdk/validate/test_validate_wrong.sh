@@ -40,8 +40,9 @@ fi
 # Some at a time, for many of them wait, and first those that take their time.
 sed -nE 's/^    WRONG\(([a-z0-9_]+), ([a-z]+), ([a-z-]+),.*/\1 \2 \3/p' "$list" > "$work/family"
 count=$(wc -l < "$work/family")
-unbroken=$(comm -23 <($validate --list | awk '/^[a-z]/ { print $1 }' | sort) <(cut -d ' ' -f 3 "$work/family" | sort))
-[ -z "$unbroken" ] || { echo "no plugin of the family breaks $unbroken"; exit 1; }
+$validate --list | awk '/^[a-z]/ { print $1 }' | sort > "$work/checks"
+unbroken=$(comm -23 "$work/checks" <(cut -d ' ' -f 3 "$work/family" | sort))
+[ -s "$work/checks" ] && [ -z "$unbroken" ] || { echo "no plugin of the family breaks $unbroken, of $(wc -l < "$work/checks") checks"; exit 1; }
 [ -z "${WRONG_LEFT_OUT:-}" ] || sed -i -E "/^($WRONG_LEFT_OUT) /d" "$work/family"
 # The sanitizer keeps the heap for itself, so what these do there is not seen.
 [ -z "${SV_SANITIZE:-}" ] || sed -i -E '/^(leaks_memory|frame_allocates|ignores_no_memory) /d' "$work/family"
