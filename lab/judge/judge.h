@@ -288,6 +288,15 @@ typedef struct {
 /* How much is left (> 0) or cut (< 0) of a ray that is clipped at a depth of so many mm. */
 double site_scan_off(const scan_ray *ray, double depth);
 
+/* Slices of 128, or mm, by which a ray may be off; and what came of rays by it: their sums. */
+#define SITE_TOLERANCE 2.0
+typedef struct {
+    double rays, fetus, error, cut, left;
+} site_sum;
+
+/* Adds a ray: so much of an occluder is left (> 0), or so much of what it should end on is cut. */
+void site_count(site_sum *sum, double off, bool of_fetus);
+
 /* What the user looks at: a volume as a camera sees it, with either kind of truth. Square maps. */
 typedef struct {
     hs_volume volume;

@@ -10,8 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TOLERANCE 2.0 /* slices of 128, or mm, by which a ray may be off */
-#define SEEN      0.5 /* the opacity that the console's brush finds */
+#define SEEN 0.5 /* the opacity that the console's brush finds */
 
 enum { REGIONS = 3, RADII = 4 };
 static const double radii_mm[RADII] = {3.0, 5.0, 8.0, 12.0};
@@ -30,8 +29,7 @@ static size_t rays_of(const site_play *p) {
 
 static mark_score judge(game *g, const float *depth) {
     const site_play *p = g->of;
-    mark_score s = {0};
-    double rays = 0.0, fetus = 0.0;
+    site_sum s = {0};
     for (size_t i = 0; i < rays_of(p); i++) {
         const bool of_fetus = !p->c || p->c->label[i] == HS_LABEL_FETUS;
         g->off[i] = 0.0f;
@@ -42,18 +40,13 @@ static mark_score judge(game *g, const float *depth) {
         else
             g->off[i] =
                 (float)site_scan_off(&p->rays[i], (double)depth[i] * p->camera.depth_extent / p->n[2]);
-        const double off = (double)g->off[i];
-        rays++;
-        fetus += of_fetus;
-        s.error += fabs(off);
-        s.cut += of_fetus && off < -TOLERANCE;
-        s.left += off > TOLERANCE;
+        site_count(&s, (double)g->off[i], of_fetus);
     }
-    return (mark_score){s.error / fmax(rays, 1.0), s.cut / fmax(fetus, 1.0), s.left / fmax(rays, 1.0)};
+    return (mark_score){s.error / fmax(s.rays, 1.0), s.cut / fmax(s.fetus, 1.0), s.left / fmax(s.rays, 1.0)};
 }
 
 static int wrong(const game *g, size_t i) {
-    return fabsf(g->off[i]) <= (float)TOLERANCE ? 0 : g->off[i] > 0.0f ? 1 : -1;
+    return fabsf(g->off[i]) <= (float)SITE_TOLERANCE ? 0 : g->off[i] > 0.0f ? 1 : -1;
 }
 
 /* All rays of the region of ray `i`, which is wrong; returns how many. */

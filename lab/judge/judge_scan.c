@@ -42,13 +42,8 @@ static bool print_set(const site_set *set, const char *plugin, const site_method
 
 enum { NOT_SCANNED, TISSUE, FLUID, FETUS, CORD, BEHIND, DOUBTFUL };
 
-/* mm along a ray from voxel to voxel of labels; what is clipped may be so much off; shorter fluid is none. */
-static const double step_mm = 0.25, bad_mm = 2.0, pocket_mm = 2.0;
-
-/* Over the rays that should end on the fetus. */
-typedef struct {
-    double rays, cut, left, mm;
-} ray_counts;
+/* mm along a ray from voxel to voxel of labels; shorter fluid is none. */
+static const double step_mm = 0.25, pocket_mm = 2.0;
 
 static int kind_of(uint8_t label) {
     return label == BEHIND ? TISSUE : label > DOUBTFUL ? DOUBTFUL : label;
@@ -79,15 +74,6 @@ static scan_ray ray_of(const uint8_t *label, uint32_t steps) {
     if (stays == end || kind_of(label[stays]) != FETUS) return none;
     return (scan_ray){step_mm * (begin - 0.5), step_mm * ((last > begin ? last : begin) - 0.5),
                       step_mm * (stays - 0.5), step_mm * (end - 0.5)};
-}
-
-static void judge_ray(const scan_ray *ray, double depth, ray_counts *out) {
-    if (ray->high <= 0.0) return;
-    const double off = site_scan_off(ray, depth);
-    out->rays++;
-    out->cut += off < -bad_mm;
-    out->left += off > bad_mm;
-    out->mm += fabs(off);
 }
 
 /* Of all rays of a map of n[0] x n[1]. The caller frees them. */
@@ -167,7 +153,7 @@ static hs_loop *make_loop(scan *s, double yaw, double pitch, bool turnable, hs_e
 
 /* Judges a map, or (`marks` not NULL) plays on from it. */
 static bool judge_map(const scan *s, const hs_loop *loop, const hs_frame *frame, const float *map,
-                      ray_counts *counts, mark_scores *marks, hs_error *err) {
+                      site_sum *counts, mark_scores *marks, hs_error *err) {
     const hs_slab_layout *l = hs_loop_layout(loop);
     site_play play = {.volume = *s->source.file, .n = {l->width, l->height, l->slices}};
     hs_loop_camera(loop, 0, &play.camera);
@@ -175,14 +161,15 @@ static bool judge_map(const scan *s, const hs_loop *loop, const hs_frame *frame,
     if (!rays) return false;
     play.rays = rays;
     const double slice = play.camera.depth_extent / l->slices;
-    for (uint32_t i = 0; i < l->width * l->height; i++) judge_ray(&rays[i], (double)map[i] * slice, counts);
+    for (uint32_t i = 0; i < l->width * l->height; i++)
+        if (rays[i].high > 0.0) site_count(counts, site_scan_off(&rays[i], (double)map[i] * slice), true);
     const bool ok = !marks || site_play_marks(&play, map, frame->clipped, marks, err);
     free(rays);
     return ok;
 }
 
 /* The first frame of a new activation. */
-static bool look(scan *s, const int view[2], uint32_t answers[SURF_ANSWERS], ray_counts *counts,
+static bool look(scan *s, const int view[2], uint32_t answers[SURF_ANSWERS], site_sum *counts,
                  mark_scores *marks, hs_error *err) {
     hs_frame frame;
     hs_loop *const loop = make_loop(s, view[0], view[1], false, err);
@@ -230,25 +217,25 @@ static bool print_user(scan *s, surf_told told, hs_error *err) {
     int from = -1;
     for (int band = 0; band < BANDS; from = band_to[band++]) {
         uint32_t answers[SURF_ANSWERS] = {0}, views = 0;
-        ray_counts sum = {0};
+        site_sum sum = {0};
         double worst = 0.0;
         char what[48];
         for (int i = 0; i < USER_VIEWS; i++) {
             const int turn =
                 abs(user_views[i][0]) > abs(user_views[i][1]) ? abs(user_views[i][0]) : abs(user_views[i][1]);
-            ray_counts c = {0};
+            site_sum c = {0};
             if (turn <= from || turn > band_to[band]) continue;
             if (!look(s, user_views[i], answers, &c, NULL, err)) return false;
             const double rays = fmax(c.rays, 1.0);
             views++;
             sum.cut += c.cut / rays;
             sum.left += c.left / rays;
-            sum.mm += c.mm / rays;
+            sum.error += c.error / rays;
             worst = fmax(worst, (c.cut + c.left) / rays);
         }
         (void)snprintf(what, sizeof what, "to %d degrees", band_to[band]);
         print_answers(what, told, answers);
-        printf("  %5.2f mm      cut %5.2f %%  left %5.2f %%  bad %.1f %%, worst %.1f\n", sum.mm / views,
+        printf("  %5.2f mm      cut %5.2f %%  left %5.2f %%  bad %.1f %%, worst %.1f\n", sum.error / views,
                100.0 * sum.cut / views, 100.0 * sum.left / views, 100.0 * (sum.cut + sum.left) / views,
                100.0 * worst);
         (void)fflush(stdout);
@@ -271,7 +258,7 @@ static bool print_marked(scan *s, hs_error *err) {
     mark_scores marks = {0};
     for (int i = 0; i < NEAR_VIEWS; i++) {
         uint32_t answers[SURF_ANSWERS] = {0};
-        ray_counts counts = {0};
+        site_sum counts = {0};
         if (!look(s, user_views[i], answers, &counts, &marks, err)) return false;
     }
     site_print_marks(s->source.file->name, "mm", &marks);

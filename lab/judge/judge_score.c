@@ -9,9 +9,6 @@
 /* How good a surface is by the report's measures, for which every labelled ray is hidden, and whether the
  * confidence tells. */
 
-#define TOLERANCE    2.0f /* slices of 128 */
-#define TOLERANCE_MM 2.0  /* by the admissible depths */
-
 float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, float depth) {
     return hs_eval_ray_end(voxels, (size_t)c->nx * c->ny, c->nz, pixel,
                            hs_eval_start_step(depth, 1.0f, c->nz));
@@ -19,7 +16,7 @@ float wall_ray_end(const wall_case *c, const uint8_t *voxels, size_t pixel, floa
 
 /* Whether a ray of the fetus is clipped more than 2 mm out of its admissible depths. */
 static void judge_interval(const wall_case *c, size_t i, float depth, uint64_t *deep, uint64_t *shallow) {
-    const float tolerance = (float)(TOLERANCE_MM / c->spacing_mm[2]);
+    const float tolerance = (float)(SITE_TOLERANCE / c->spacing_mm[2]);
     *deep += depth > c->far[i] + tolerance;
     *shallow += depth < c->near[i] - tolerance;
 }
@@ -29,6 +26,14 @@ double site_scan_off(const scan_ray *ray, double depth) {
     return fmax(ray->near - at, 0.0) - fmax(at - ray->far, 0.0);
 }
 
+void site_count(site_sum *sum, double off, bool of_fetus) {
+    sum->rays++;
+    sum->fetus += of_fetus;
+    sum->error += fabs(off);
+    sum->cut += of_fetus && off < -SITE_TOLERANCE;
+    sum->left += off > SITE_TOLERANCE;
+}
+
 static double known(float measure) {
     return isnan(measure) ? 0.0 : (double)measure;
 }
@@ -36,7 +41,7 @@ static double known(float measure) {
 wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *depth,
                       const float *confidence, wall_calibration *calibration) {
     const float scale = 128.0f / (float)c->nz;
-    const uint32_t tolerance = (uint32_t)(TOLERANCE / scale);
+    const uint32_t tolerance = (uint32_t)((float)SITE_TOLERANCE / scale);
     hs_eval_tally by_label[2] = {{0}};
     hs_measures m;
     uint64_t deep = 0, shallow = 0;
