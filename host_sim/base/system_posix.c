@@ -25,8 +25,8 @@ int sys_open(const char *path, sys_way way) {
     const int file = open(path, flags[way] | O_CLOEXEC | O_NONBLOCK, way == SYS_FIRST ? 0666 : 0600);
     if (file < 0) return -1;
     const bool regular = fstat(file, &found) == 0 && S_ISREG(found.st_mode);
-    if (regular && (way != SYS_NEW || fchmod(file, 0600) == 0))
-        return file; /* one that was there keeps its mode */
+    /* One that was there has a mode of its own. */
+    if (regular && (way != SYS_NEW || fchmod(file, 0600) == 0)) return file;
     const int why = regular ? errno : EINVAL;
     (void)close(file);
     errno = why;

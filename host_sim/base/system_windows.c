@@ -116,7 +116,7 @@ int sys_open(const char *path, sys_way way) {
         return fail() - 1;
     int file = open_file(wide, GENERIC_READ | GENERIC_WRITE | WRITE_DAC, CREATE_ALWAYS, &owner);
     if (file >= 0 &&
-        !SetKernelObjectSecurity((HANDLE)_get_osfhandle(file), /* one that was there keeps its own */
+        !SetKernelObjectSecurity((HANDLE)_get_osfhandle(file), /* else one that was there has its own */
                                  DACL_SECURITY_INFORMATION | PROTECTED_DACL_SECURITY_INFORMATION,
                                  owner.lpSecurityDescriptor)) {
         (void)fail();
@@ -194,9 +194,11 @@ bool sys_same_file(const char *a, const char *b) {
 }
 
 /* Nothing is renamed over a file that somebody has open, but that file itself may be, and goes when it is
- * closed. */
+ * closed. A folder stays. */
 static bool replace_open(const wchar_t *from, const wchar_t *to) {
     wchar_t aside[SYS_PATH];
+    (void)fail();
+    if ((errno != EACCES && errno != EBUSY) || has_attribute(to, FILE_ATTRIBUTE_DIRECTORY)) return false;
     (void)_snwprintf(aside, SYS_PATH, L"%ls.%lu", to, GetCurrentProcessId());
     aside[SYS_PATH - 1] = L'\0';
     if (!MoveFileExW(to, aside, 0)) return fail();
@@ -356,10 +358,10 @@ void sys_pages_free(void *at, size_t bytes) {
 
 int sys_temporary(void) {
     wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 1];
-    if (!GetTempPathW(MAX_PATH, folder) || !GetTempFileNameW(folder, L"sv", 0, name)) return -1;
+    if (!GetTempPathW(MAX_PATH, folder) || !GetTempFileNameW(folder, L"sv", 0, name)) return fail() - 1;
     const HANDLE handle = CreateFileW(name, GENERIC_READ | GENERIC_WRITE, 0, NULL, CREATE_ALWAYS,
                                       FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
-    return handle != INVALID_HANDLE_VALUE ? _open_osfhandle((intptr_t)handle, O_BINARY) : -1;
+    return handle != INVALID_HANDLE_VALUE ? _open_osfhandle((intptr_t)handle, O_BINARY) : fail() - 1;
 }
 
 /* A handle is inherited only if the caller wants it. */

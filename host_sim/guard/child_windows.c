@@ -135,7 +135,7 @@ static bool launch(hs_child *child, const wchar_t *program, wchar_t *line, HANDL
     const bool held = AssignProcessToJobObject((HANDLE)child->job, process.hProcess) &&
                       ResumeThread(process.hThread) != (DWORD)-1;
     (void)CloseHandle(process.hThread);
-    child->process = (intptr_t)process.hProcess;
+    child->process = held ? (intptr_t)process.hProcess : 0;
     if (held) return true;
     (void)TerminateProcess(process.hProcess, KILLED);
     (void)CloseHandle(process.hProcess);

@@ -58,9 +58,9 @@ static inline const sv_entry *sv_open(const char *path, void **library, char *wh
     const unsigned long reason = loaded ? 0 : GetLastError();
     if (!loaded)
         (void)snprintf(why, bytes, "%s: Windows' error %lu%s", path, reason,
-                       reason == 126   ? ": it is not there, or a library that it needs"
-                       : reason == 193 ? ": it is no library for this processor"
-                                       : "");
+                       reason == ERROR_MOD_NOT_FOUND    ? ": it is not there, or a library that it needs"
+                       : reason == ERROR_BAD_EXE_FORMAT ? ": it is no library for this processor"
+                                                        : "");
 #else
     void *loaded = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (loaded) entry = (const sv_entry *)dlsym(loaded, SV_ENTRY_SYMBOL);
