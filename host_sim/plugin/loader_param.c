@@ -29,9 +29,9 @@ bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_inf
     return false;
 }
 
-bool hs_plugin_is_fixed(const hs_plugin *plugin, uint32_t id) {
+bool hs_plugin_is_fixed(const sv_plugin *plugin, uint32_t id) {
     sv_param_info info;
-    return sv_lookup_id(plugin->instance, id, &info) && (info.flags & SV_PARAM_REACTIVATE);
+    return sv_lookup_id(plugin, id, &info) && (info.flags & SV_PARAM_REACTIVATE);
 }
 
 bool hs_plugin_find_primary(const hs_plugin *plugin, sv_param_info *info) {

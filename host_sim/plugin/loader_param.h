@@ -17,7 +17,7 @@ void hs_plugin_value_text(const hs_plugin *plugin, const sv_param_info *info, do
 bool hs_plugin_find_param(const hs_plugin *plugin, const char *key, sv_param_info *info);
 
 /* True for a parameter that only activate reads. */
-bool hs_plugin_is_fixed(const hs_plugin *plugin, uint32_t id);
+bool hs_plugin_is_fixed(const sv_plugin *plugin, uint32_t id);
 
 /* Finds the one parameter that every user sees (SV_PARAM_PRIMARY). False if the plugin has none. */
 bool hs_plugin_find_primary(const hs_plugin *plugin, sv_param_info *info);

@@ -89,8 +89,7 @@ static bool activate(surf_session *s, const wall_case *c, hs_error *err) {
     for (int axis = 0; axis < 3; axis++) way.spacing_mm[axis] = (float)c->spacing_mm[axis];
     memcpy(s->spacing_mm, c->spacing_mm, sizeof s->spacing_mm);
     for (uint32_t v = 0; v < s->values.count; v++)
-        if (hs_plugin_is_fixed(&s->plugin, s->values.at[v].id))
-            way.fixed[way.fixed_count++] = s->values.at[v];
+        if (hs_plugin_is_fixed(p, s->values.at[v].id)) way.fixed[way.fixed_count++] = s->values.at[v];
     stage_make(&s->stage, &way, NULL, cannot_have, NULL);
     s->depth = stage_result(&s->stage).depth;
     s->scanned = calloc(rays, sizeof *s->scanned);

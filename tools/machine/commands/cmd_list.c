@@ -138,9 +138,8 @@ static bool ask_needs(const sv_plugin *p, const sv_param_value *values, uint32_t
                       const sv_needs_device *device, sv_needs *out) {
     sv_param_value fixed[MAX_SETS], own[MAX_SETS];
     uint32_t fixed_count = 0, own_count = 0;
-    sv_param_info info;
     for (uint32_t i = 0; i < count; i++)
-        if (sv_lookup_id(p, values[i].id, &info) && (info.flags & SV_PARAM_REACTIVATE))
+        if (hs_plugin_is_fixed(p, values[i].id))
             fixed[fixed_count++] = values[i];
         else
             own[own_count++] = values[i];

@@ -128,7 +128,8 @@ static uint32_t list_values(player *p, bool activating) {
         if (!set) p->values[count++] = (sv_param_value){.id = id, .value = p->item.values[i].value};
     }
     for (uint32_t s = 0; s < p->o->set_count; s++)
-        if (hs_plugin_is_fixed(&p->plugin, p->sets[s].id) == activating) p->values[count++] = p->sets[s];
+        if (hs_plugin_is_fixed(p->plugin.instance, p->sets[s].id) == activating)
+            p->values[count++] = p->sets[s];
     return count;
 }
 
