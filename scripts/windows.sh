@@ -103,7 +103,7 @@ for method in mean minimum spline wall; do
     echo "windows: D01 by $method: recordings are the same, both ways"
 done
 kill "$holder"
-grep -q open "$out/holds.txt" || { echo "windows: back.svr was not held open" >&2; exit 1; }
+grep -q open "$out/holds.txt" && ! compgen -G "$out/fötus/back.svr.*" || { echo "windows: back.svr: not held open, or more is left" >&2; exit 1; }
 # A plugin that crashes, leaves or hangs in slab ends the process that plays, and is named.
 SMARTVIS_CHECK_PLUGIN=$build/tests/plugins/plane.so SMARTVIS_RECORD=$out/plane.svr "$build/host_sim" run --scene E01 --size 32 --frames 2 \
     --picture 32 --few-pictures --no-guard --plugin "$build/smartvis_check.so" --out "$out/run" > "$out/here.txt" 2>&1

@@ -203,7 +203,8 @@ static bool replace_open(const wchar_t *from, const wchar_t *to) {
     aside[SYS_PATH - 1] = L'\0';
     if (!MoveFileExW(to, aside, 0)) return fail();
     const bool ok = MoveFileExW(from, to, 0) || fail();
-    (void)(ok ? DeleteFileW(aside) : MoveFileExW(aside, to, 0));
+    (void)(ok ? SetFileAttributesW(aside, FILE_ATTRIBUTE_NORMAL) && DeleteFileW(aside)
+              : MoveFileExW(aside, to, 0));
     return ok;
 }
 
