@@ -10,7 +10,7 @@ PREFIX ?= /usr/local
 DESTDIR ?=
 # `make test`: tests with such labels only, a regular expression (abi|check). All by default.
 LABELS ?=
-# `make test`: build and test one part alone: sdk, machine, lab, or house, which is what is asked of all three. All by default.
+# `make test`: build and test one part alone: base, sdk, host_sim, python, lab, or house, which is what is asked of all. All by default.
 PART ?=
 # How long `make fuzz` gives each of its targets; one runs for each processor.
 FUZZ_SECONDS ?= 600
@@ -43,7 +43,7 @@ KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 INTEL_TESTS := ^check/test_(formats|mean|method_hard|methods|scanned|wall|wall_answer)$$
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint format bench sites scans surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -71,7 +71,7 @@ try-deb: # install out/deb on this machine (needs root), then the template's thr
 wheel: ## the Python package as a wheel for other machines, with host_sim and the OpenCL loader in it: out/wheel
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build,,host_sim smartvis)
-	@bash tests/machine/python/environment.sh . build python3
+	@bash tests/python/environment.sh . build python3
 	@scripts/wheel.sh build $(OUT)/wheel
 
 try-wheel: # install out/wheel where there is no OpenCL (needs PyPI), do what its message says, and clip a scene and a file
@@ -156,6 +156,9 @@ lint: # format, house rules, links, floors, clang warnings, clang-tidy, kernels,
 	@$(SETUP) $(PACKAGES) $(LINT_PACKAGES)
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON,embedded)
 	@scripts/lint.sh build-clang $(JOBS)
+
+lines: # files and lines of each part of the house
+	@scripts/lines.sh
 
 format: # apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@$(SETUP) $(LINT_PACKAGES)

@@ -5,7 +5,7 @@
 - A file includes only what its floor may include, by the table below, and lies in a folder that the table knows.
 - Nothing includes in a circle. A source and its header count as one: x.c and x.h.
 - With BUILD, a built folder: includes do not tell who calls whom, since a header may declare what a file of a higher floor
-  defines. So the symbols of the objects of src/, host_sim/, tools/ and lab/ are looked at: neither sources nor their
+  defines. So the symbols of the objects of src/, base/, sdk/, host_sim/ and lab/ are looked at: neither sources nor their
   folders may use each other in a circle.
 """
 
@@ -32,49 +32,49 @@ src/device | abi shared kernels . | libc opencl
 src/method | abi shared kernels src src/ref src/device . | libc opencl
 src/frame | abi shared kernels src src/ref src/device src/method . | libc opencl
 src/abi | abi shared src src/device src/method src/frame . | libc opencl
-host_sim/base/system_windows.c | . | libc windows
-host_sim/base | . | libc json
-host_sim/guard/child_windows.c | host_sim/base . | libc windows
-host_sim/guard | host_sim/base . | libc
-host_sim/volume | host_sim/base . | libc zlib
-host_sim/picture | host_sim/base . | libc drawing
-host_sim/plugin | abi host_sim/base . | libc
-host_sim/scene | host_sim/base host_sim/volume . | libc json
-host_sim/render | host_sim/base host_sim/volume kernels . | libc opencl
+base/core/system_windows.c | . | libc windows
+base/core | . | libc json
+base/guard/child_windows.c | base/core . | libc windows
+base/guard | base/core . | libc
+host_sim/volume | base/core . | libc zlib
+host_sim/picture/*_windows.c | base/core . | libc windows
+host_sim/picture | base/core . | libc drawing
+base/plugin | abi base/core . | libc
+host_sim/scene | base/core host_sim/volume . | libc json
+host_sim/render | base/core host_sim/volume kernels . | libc opencl
 host_sim/render/cl | . |
-host_sim/guarded | abi host_sim/base host_sim/guard host_sim/plugin host_sim/render . | libc opencl
-host_sim/windows | abi host_sim/base host_sim/picture host_sim/plugin host_sim/guard host_sim/guarded . | libc windows
+host_sim/guarded | abi base/core base/guard base/plugin host_sim/render . | libc opencl
 host_sim/loop | abi MACHINE . | libc opencl
 host_sim/seen | abi MACHINE host_sim/loop . | libc opencl
 host_sim/result | abi MACHINE host_sim/loop . | libc opencl
-tools/machine/windows | host_sim/base tools/machine/console lab/report . | libc
-tools/machine/show | abi MACHINE host_sim/picture host_sim/loop . | libc opencl
-tools/machine/commands | abi HOST tools/machine/show . | libc opencl json
-lab/page | host_sim/base host_sim/picture . | libc
+host_sim/program/not_here_windows.c | base/core host_sim/console lab/report . | libc
+host_sim/show | abi MACHINE host_sim/picture host_sim/loop . | libc opencl
+host_sim/commands | abi HOST host_sim/show . | libc opencl json
+lab/page | base/core host_sim/picture . | libc
 lab/eval | abi MACHINE host_sim/loop . | libc opencl zlib
-lab/report | abi HOST tools/machine/show tools/machine/commands lab/page lab/eval . | libc opencl json zlib
-tools/machine/console | abi HOST tools/machine/show tools/machine/commands kernels . | libc opencl json web
-lab/bench | abi HOST tools/sdk/stage . | libc opencl futex
-lab/judge | abi HOST src src/ref tools/sdk/stage lab/eval . | libc opencl json
-tools/sdk/layer | abi host_sim/base tools/sdk/rules tools/sdk/record . | libc opencl
-tools/sdk/record | abi host_sim/base tools/sdk/rules . | libc opencl zlib
-tools/sdk/replay | abi HOST tools/machine/show tools/sdk/rules tools/sdk/record . | libc opencl
-tools/sdk/validate/spy/*_pe.c | . | libc windows
-tools/sdk/validate/spy | . | libc opencl elf
-tools/sdk/rules | abi . | libc
-tools/sdk/stage | abi host_sim/base . | libc opencl
-tools/sdk/validate/drive/process_windows.c | tools/sdk/validate/spy . | libc windows
-tools/sdk/validate/drive | abi host_sim/base host_sim/plugin tools/sdk/rules tools/sdk/stage tools/sdk/validate/spy . | libc opencl
-tools/sdk/validate/checks | abi host_sim/base host_sim/plugin tools/sdk/rules tools/sdk/stage tools/sdk/validate/spy tools/sdk/validate/drive . | libc opencl
-tools/sdk/validate | abi host_sim/base host_sim/guard tools/sdk/validate/drive tools/sdk/validate/checks . | libc json
-tools/machine | abi HOST tools/machine/commands lab/report tools/machine/console . | libc
+lab/report | abi HOST host_sim/show host_sim/commands lab/page lab/eval . | libc opencl json zlib
+host_sim/console | abi HOST host_sim/show host_sim/commands kernels . | libc opencl json web
+lab/bench | abi HOST sdk/stage . | libc opencl futex
+lab/judge | abi HOST src src/ref sdk/stage lab/eval . | libc opencl json
+sdk/layer | abi base/core sdk/rules sdk/record . | libc opencl
+sdk/record | abi base/core sdk/rules . | libc opencl zlib
+sdk/replay | abi HOST host_sim/show sdk/rules sdk/record . | libc opencl
+sdk/validate/spy/*_pe.c | . | libc windows
+sdk/validate/spy | . | libc opencl elf
+sdk/rules | abi . | libc
+sdk/stage | abi base/core . | libc opencl
+sdk/validate/drive/process_windows.c | sdk/validate/spy . | libc windows
+sdk/validate/drive | abi base/core base/plugin sdk/rules sdk/stage sdk/validate/spy . | libc opencl
+sdk/validate/checks | abi base/core base/plugin sdk/rules sdk/stage sdk/validate/spy sdk/validate/drive . | libc opencl
+sdk/validate | abi base/core base/guard sdk/validate/drive sdk/validate/checks . | libc json
+host_sim/program | abi HOST host_sim/commands lab/report host_sim/console . | libc
 examples/* | abi kernels . | libc opencl
 bindings/rust/src | abi |
 tests/* | any kernels | any
 tests/*/* | any kernels | any
 """
-MACHINE = "host_sim/base host_sim/guard host_sim/volume" \
-          " host_sim/plugin host_sim/scene host_sim/render host_sim/guarded"
+MACHINE = "base/core base/guard host_sim/volume" \
+          " base/plugin host_sim/scene host_sim/render host_sim/guarded"
 HOST = MACHINE + " host_sim/picture host_sim/loop host_sim/result"
 
 GROUPS = {
@@ -93,10 +93,10 @@ GROUPS = {
 }
 # Where a "..." may be found from each part of the tree.
 ROOTS = {
-    "include": "include", "cl": "cl", "src": "include src cl", "host_sim": "include host_sim",
-    "tools": "include tools/sdk tools/machine lab host_sim src cl", "lab": "include lab tools/sdk tools/machine host_sim src cl",
+    "include": "include", "cl": "cl", "src": "include src cl", "base": "include base", "host_sim": "include base host_sim lab",
+    "sdk": "include base sdk host_sim", "lab": "include base host_sim lab sdk src cl",
     "examples": "include", "bindings": "include", "python": "include",
-    "tests": "include tests tests/sdk tests/machine tools/sdk tools/machine lab host_sim src cl",
+    "tests": "include tests tests/sdk tests/host_sim base sdk lab host_sim src cl",
 }
 
 

@@ -31,7 +31,7 @@ while read -r line; do complain "unfinished: $line"; done < <(grep -nHwE 'TO''DO
 while read -r line; do complain "machine path: $line"; done < <(grep -nHE '(^|[^a-z.])/(home|work|root|Users)/' "${sources[@]}" | cut -c 1-120)
 
 # What a user moves has one name, "surface position"; a plugin in general has a "primary parameter".
-read_by_people=(README.md docs/*.md include/*.h include/smartvis/*.h python/smartvis/*.py examples/*/* tools/machine/console/*.{html,js,css})
+read_by_people=(README.md docs/*.md include/*.h include/smartvis/*.h python/smartvis/*.py examples/*/* host_sim/console/*.{html,js,css})
 while read -r line; do complain "say surface position, or primary parameter: $line"; done < <(
     grep -nHwiE -d skip 'kno''bs?|surface off''set' "${read_by_people[@]}" | cut -c 1-120
     grep -nHiE '"[^"]*\b(kno''bs?|surface off''set)\b[^"]*"' "${sources[@]}" | grep -vE '(^|/)tests/' | cut -c 1-120)

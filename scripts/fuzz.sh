@@ -19,7 +19,7 @@ words_of() {
     [ ! -f "tests/fuzz/dict/$1.dict" ] || cat "tests/fuzz/dict/$1.dict"
     case $1 in
         scene) grep -ohE '"[a-z][a-z0-9_]*"' data/scenes/*.json | sort -u | sed 's/"/\\"/g; s/.*/"&"/' ;;
-        command) sed -nE 's/^ +\{"([a-z-]+)", .*/"--\1\\x0a"/p' tools/machine/commands/run_line.c lab/report/cmd_report.c | sort -u ;;
+        command) sed -nE 's/^ +\{"([a-z-]+)", .*/"--\1\\x0a"/p' host_sim/commands/run_line.c lab/report/cmd_report.c | sort -u ;;
     esac
 }
 export -f words_of

@@ -81,7 +81,6 @@ python_types() {
 
 check "house rules" scripts/check_rules.sh
 check "links" links
-check "lines" scripts/check_lines.sh
 check "floors" scripts/check_floors.py .
 check "clang-format" format
 check "kernels" kernels

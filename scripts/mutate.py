@@ -30,10 +30,10 @@ CHANGES = [
 # Where a source lies, and the tests that should notice, as a regular expression of CTest; the first that fits counts.
 TESTS = [
     (r"python", r"^python/"),
-    (r"tools/sdk/(rules|layer)", r"test_layer|validate_cli"),
-    (r"tools/sdk/(record|replay)", r"test_re(cording|play)|replay_recording"),
-    (r"tools/sdk", r"validate/|test_(recording|formats|plugin_slabs)$"),
-    (r"tools/machine/console", r"console|replay_console"),
+    (r"sdk/(rules|layer)", r"test_layer|validate_cli"),
+    (r"sdk/(record|replay)", r"test_re(cording|play)|replay_recording"),
+    (r"sdk", r"validate/|test_(recording|formats|plugin_slabs)$"),
+    (r"host_sim/console", r"console|replay_console"),
     (r"lab/judge", r"golden/test_sites|test_wall_(invariance|tilt)"),
     (r"lab", r"test_(eval|box)|golden/test_(report|demo|measure)"),
     (r"wall", r"test_wall($|_answer|_constants|_definition|_fluid)|test_confidence$"),
@@ -44,10 +44,10 @@ TESTS = [
     (r"host_sim/volume", r"test_(metaimage|kretz|volume|beams|pose|hostile|files)|replay_(metaimage|kretz)"),
     (r"host_sim/scene", r"test_scene|test_handover|replay_scene|golden/test_scenes"),
     (r"host_sim/render", r"test_(dvr|lit|scan|camera|host_launch|loop)"),
-    (r"host_sim/(guard|guarded|plugin)", r"test_(child|guarded|loader|loop)"),
+    (r"base/(guard|plugin)|host_sim/guarded", r"test_(child|guarded|loader|loop)"),
     (r"host_sim/loop", r"test_(loop|files|metaimage_loop|confidence|slices)|golden/"),
-    (r"host_sim/(picture|result)|tools/machine/show", r"test_(picture|slices|result|loop)|golden/"),
-    (r"host_sim|tools/machine", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),
+    (r"host_sim/(picture|result)|host_sim/show", r"test_(picture|slices|result|loop)|golden/"),
+    (r"base|host_sim", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),
 ]  # fmt: skip
 
 

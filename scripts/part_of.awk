@@ -1,8 +1,20 @@
 # SPDX-License-Identifier: MIT
-# The part of the house that a file belongs to.
+# The part of the house that a file belongs to. part_plugin has no tests of its own: they are the SDK's.
 function part_of(file) {
-    if (file ~ /^(include|src|cl|examples|bindings|abi|tools\/sdk|tests\/sdk|tests\/programs)\//) return "sdk"
-    if (file ~ /^(host_sim|data|python|tools\/machine|tests\/machine)\//) return "machine"
+    if (file ~ /^(include|src|cl)\//) return "plugin"
+    if (file ~ /^(base|tests\/base)\//) return "base"
+    if (file ~ /^(sdk|examples|bindings|abi|tests\/sdk|tests\/programs)\//) return "sdk"
+    if (file ~ /^(host_sim|data|tests\/host_sim)\//) return "host_sim"
+    if (file ~ /^(python|tests\/python)\//) return "python"
     if (file ~ /^(lab|tests\/lab)\//) return "lab"
     return "rest"
+}
+
+# The parts whose tests a change of a part concerns: its own, and of what is built on it or loads it.
+function concerned(part) {
+    if (part == "base") return "base sdk host_sim python lab"
+    if (part == "plugin") return "sdk host_sim python lab"
+    if (part == "host_sim") return "host_sim python lab"
+    if (part == "sdk") return "sdk lab"
+    return part
 }

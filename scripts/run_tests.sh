@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # run_tests.sh BUILD_FOLDER JOBS [LABELS [PART]]: runs CTest and closes with one line of counts, and with what was skipped and why.
-# LABELS is a regular expression: tests with such a label only; `night`: those of `make test-night`. PART: those of sdk, machine, lab
-# or house. Exit code: CTest's. With SV_SKIP_NOTHING=1 a test that is skipped is an error, too.
+# LABELS is a regular expression: tests with such a label only; `night`: those of `make test-night`. PART: those of base, sdk,
+# host_sim, python, lab or house. Exit code: CTest's. With SV_SKIP_NOTHING=1 a test that is skipped is an error, too.
 set -u
 folder=$(cd "$1" && pwd) || exit 1
 jobs=$2

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# wheel.sh BUILD OUT: the wheel of tests/machine/python/environment.sh as one that every Linux with a C library as old as this machine's
+# wheel.sh BUILD OUT: the wheel of tests/python/environment.sh as one that every Linux with a C library as old as this machine's
 # takes. host_sim goes in beside the plugin, with the scenes and the font of its pictures; its libraries are linked into it (target
 # host_sim_alone). auditwheel adds what is left, the OpenCL loader (ocl-icd, BSD) and civetweb, and names the least C library
 # (manylinux_2_34 from Debian 12). The licences of all of it go in, too. Beside the wheel comes a scene with the depthmap that is
@@ -20,7 +20,7 @@ cmake --build "$build" --target host_sim_alone > "$work/log" || {
 }
 into=$work/content # what goes into the wheel; licences/ into its licenses
 mkdir -p "$into/plugin/share/smartvis" "$into/plugin/share/fonts" "$into/licences"
-cp "$build/obj/tools/machine/alone/host_sim" "$into/plugin"
+cp "$build/obj/program/alone/host_sim" "$into/plugin"
 cp -r "$source/data/scenes" "$into/plugin/share/smartvis"
 font=$(dpkg-query -L fonts-dejavu-core | grep '/DejaVuSans\.ttf$')
 cp "$font" "$into/plugin/share/fonts"
@@ -40,7 +40,7 @@ shared() { ldconfig -p | sed -n "s/.*$1\.so\.1 .*=> //p" | head -n 1; }
 package() { dpkg-query -S "$(realpath "$1")" | cut -d : -f 1; }
 cp "$source/LICENSE" "$into/licences"
 cp "/usr/share/doc/$(package "$(shared libOpenCL)")/copyright" "$into/licences/OpenCL-loader"
-for file in $(grep -oE '^/[^ (]+\.a' "$build/obj/tools/machine/alone.map" | sort -u | grep -v '/libgcc\.a') "$(shared libcivetweb)" "$font"; do
+for file in $(grep -oE '^/[^ (]+\.a' "$build/obj/program/alone.map" | sort -u | grep -v '/libgcc\.a') "$(shared libcivetweb)" "$font"; do
     name=$(package "$file")
     cp "/usr/share/doc/$name/copyright" "$into/licences/${name%-dev}"
 done

@@ -12,7 +12,7 @@
  */
 #pragma once
 
-#include "base/error.h"
+#include "core/error.h"
 #include "plugin/capabilities.h"
 #include "plugin/loader_param.h"
 

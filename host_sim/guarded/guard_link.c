@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "guarded/guard_link.h"
 
-#include "base/progress.h"
-#include "base/system.h"
-#include "base/text.h"
+#include "core/progress.h"
+#include "core/system.h"
+#include "core/text.h"
 
 #include <errno.h>
 #include <inttypes.h>

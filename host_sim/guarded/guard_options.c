@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "guarded/guard_options.h"
 
-#include "base/cli.h"
-#include "base/paths.h"
-#include "base/system.h"
+#include "core/cli.h"
+#include "core/paths.h"
+#include "core/system.h"
 
 #include <stdio.h>
 

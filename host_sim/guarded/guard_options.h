@@ -2,7 +2,7 @@
 /* When a plugin is guarded, and what its child may take. */
 #pragma once
 
-#include "base/options.h"
+#include "core/options.h"
 
 #include <stddef.h>
 #include <stdint.h>

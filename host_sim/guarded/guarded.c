@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "guarded/guarded.h"
 
-#include "base/system.h"
-#include "base/text.h"
+#include "core/system.h"
+#include "core/text.h"
 #include "guarded/guard_link.h"
 
 #include <errno.h>

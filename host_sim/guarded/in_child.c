@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "guarded/in_child.h"
 
-#include "base/progress.h"
+#include "core/progress.h"
 #include "guard/child.h"
 #include "plugin/loader.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "base/progress.h"
-#include "base/system.h"
+#include "core/progress.h"
+#include "core/system.h"
 #include "guard/child.h"
 #include "guarded/guard_block.h"
 #include "guarded/serve_carrier.h"

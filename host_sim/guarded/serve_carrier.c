@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "guarded/serve_carrier.h"
 
-#include "base/system.h"
+#include "core/system.h"
 #include "guard/child.h"
 
 #include <errno.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/loop.h"
 
-#include "base/progress.h"
+#include "core/progress.h"
 #include "guarded/guarded.h"
 #include "loop/loop_state.h"
 #include "loop/lowres.h"

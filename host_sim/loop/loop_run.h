@@ -3,7 +3,7 @@
  * one setting as medians, percentiles and counts. */
 #pragma once
 
-#include "base/progress.h"
+#include "core/progress.h"
 #include "loop/loop.h"
 
 /* Scan conversion for frame `index`. The slabs stay as they are until the next one. */

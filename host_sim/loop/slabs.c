@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/slabs.h"
 
-#include "base/system.h"
+#include "core/system.h"
 #include "render/scan_convert.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/source.h"
 
-#include "base/progress.h"
+#include "core/progress.h"
 #include "loop/sequence.h"
 #include "volume/fan_fit.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/source_options.h"
 
-#include "base/cli.h"
+#include "core/cli.h"
 
 #include <string.h>
 

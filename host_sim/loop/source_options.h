@@ -2,7 +2,7 @@
 /* What a file may leave out, as options of every command that opens files: --spacing and --probe. */
 #pragma once
 
-#include "base/options.h"
+#include "core/options.h"
 #include "loop/sequence.h"
 
 /* "-z", "+z", ..., into an hs_metaimage_options. HS_ERR_USAGE. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "picture/picture.h"
 
-#include "base/input_file.h"
-#include "base/output_file.h"
+#include "core/input_file.h"
+#include "core/output_file.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -6,7 +6,7 @@
  */
 #pragma once
 
-#include "base/error.h"
+#include "core/error.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "picture/picture_draw.h"
 
-#include "base/text.h"
+#include "core/text.h"
 #include "picture/picture.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 /* The host's OpenCL device, context and in-order queue, shared by scan conversion, renderer and plugin. */
 #pragma once
 
-#include "base/error.h"
+#include "core/error.h"
 
 #include <CL/cl.h>
 #include <stdint.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "result/result_write.h"
 
-#include "base/output_file.h"
-#include "base/paths.h"
-#include "base/system.h"
+#include "core/output_file.h"
+#include "core/paths.h"
+#include "core/system.h"
 
 #include <math.h>
 #include <stdio.h>

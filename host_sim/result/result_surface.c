@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "result/result_write.h"
 
-#include "base/output_file.h"
-#include "base/threads.h"
+#include "core/output_file.h"
+#include "core/threads.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "result/result_write.h"
 
-#include "base/paths.h"
-#include "base/progress.h"
-#include "base/system.h"
+#include "core/paths.h"
+#include "core/progress.h"
+#include "core/system.h"
 #include "volume/metaimage_parts.h"
 #include "volume/metaimage_write.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What happens to the pulse on its way: attenuation, edge shadows, reverberation, haze, a corner without
  * contact. */
-#include "base/threads.h"
+#include "core/threads.h"
 #include "scene/scene_field.h"
 #include "scene/scene_random.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What of the scan is seen: the fan of the probe, and the voxels of a turned camera. */
-#include "base/threads.h"
+#include "core/threads.h"
 #include "scene/scene_field.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Echo levels, from what tissues send back to grey: echo, the far band, receiver noise, compression. */
-#include "base/threads.h"
+#include "core/threads.h"
 #include "scene/scene_field.h"
 #include "scene/scene_random.h"
 #include "scene/scene_solid.h"

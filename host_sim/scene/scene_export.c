@@ -2,7 +2,7 @@
 /* Scenes as MetaImage files, and sampled along beams as Kretz files. */
 #include "scene/scene_export.h"
 
-#include "base/threads.h"
+#include "core/threads.h"
 #include "volume/metaimage_write.h"
 #include "volume/volume.h"
 

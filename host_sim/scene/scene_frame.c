@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene from its file to its volumes: the steps in their order, each only if the scene lists it. */
-#include "base/system.h"
-#include "base/threads.h"
+#include "core/system.h"
+#include "core/threads.h"
 #include "scene/scene.h"
 #include "scene/scene_field.h"
 #include "scene/scene_random.h"

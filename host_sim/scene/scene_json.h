@@ -2,7 +2,7 @@
 /* What the readers of a scene file share (docs/scenes.md has the fields). */
 #pragma once
 
-#include "base/json_fields.h"
+#include "core/json_fields.h"
 #include "scene/scene_spec.h"
 
 /* An hs_tissue by its name. */

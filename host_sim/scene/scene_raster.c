@@ -3,7 +3,7 @@
  * Solids to voxels. The volume is cut into bricks of 8^3 voxels; a brick looks only at the solids whose
  * bounds it touches, so the cost is that of the surfaces, not of the volume.
  */
-#include "base/threads.h"
+#include "core/threads.h"
 #include "scene/scene_field.h"
 #include "scene/scene_solid.h"
 

@@ -4,7 +4,7 @@
  * make room; what lies before the first tissue of a column is taken as free; occluders are put there, and
  * kept a gap away from it.
  */
-#include "base/threads.h"
+#include "core/threads.h"
 #include "scene/scene_field.h"
 
 #include <string.h>

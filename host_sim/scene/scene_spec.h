@@ -2,7 +2,7 @@
 /* A scene as its file describes it. Lengths in mm of the scene's box, angles in degrees, levels in dB. */
 #pragma once
 
-#include "base/error.h"
+#include "core/error.h"
 
 #include <stdbool.h>
 #include <stdint.h>

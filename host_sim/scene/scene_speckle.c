@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The point spread of the beam: speckle, and the haze of its side lobes. */
-#include "base/threads.h"
+#include "core/threads.h"
 #include "scene/scene_field.h"
 #include "scene/scene_random.h"
 #include "volume/volume.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The text of a scene: built in, drawn or a file. */
-#include "base/input_file.h"
-#include "base/paths.h"
-#include "base/system.h"
+#include "core/input_file.h"
+#include "core/paths.h"
+#include "core/system.h"
 #include "scene/scene.h"
 #include "scene/scene_draw.h"
 

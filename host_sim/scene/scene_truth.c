@@ -5,7 +5,7 @@
  * meets the sac only, between entry and exit of the fluid. Where something floats in the fluid of such a
  * ray, its longest stretch of fluid counts.
  */
-#include "base/threads.h"
+#include "core/threads.h"
 #include "scene/scene_field.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "seen/seen.h"
 
-#include "base/threads.h"
+#include "core/threads.h"
 #include "loop/lowres.h"
 #include "loop/marks.h"
 #include "loop/slabs.h"

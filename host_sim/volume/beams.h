@@ -2,7 +2,7 @@
 /* A volume in the geometry of the beams that scanned it: radius, angle in the plane, angle of the sweep. */
 #pragma once
 
-#include "base/error.h"
+#include "core/error.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/kretz.h"
 
-#include "base/input_file.h"
+#include "core/input_file.h"
 #include "volume/kretz_parts.h"
 #include "volume/volume.h"
 

@@ -3,7 +3,7 @@
  * them out of DICOM files, too. docs/kretz.md. */
 #pragma once
 
-#include "base/output_file.h"
+#include "core/output_file.h"
 #include "volume/metaimage.h"
 
 typedef struct {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The items of a KRETZFILE, and what they say of its grey volume, checked. */
-#include "base/input_file.h"
+#include "core/input_file.h"
 #include "volume/kretz_parts.h"
 #include "volume/volume.h"
 

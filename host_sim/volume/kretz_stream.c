@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the stream of items in a file: at its start, or in an element of a DICOM file. Of such a file's
  * elements tags, types and lengths are read, and no text. */
-#include "base/input_file.h"
+#include "core/input_file.h"
 #include "volume/kretz_parts.h"
 
 #include <inttypes.h>

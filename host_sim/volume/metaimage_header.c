@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a MetaImage header says, checked: sizes, types, encoding, data file, and how the volume lies. */
-#include "base/system.h"
+#include "core/system.h"
 #include "volume/metaimage.h"
 #include "volume/metaimage_parts.h"
 

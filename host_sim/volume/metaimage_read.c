@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Volumes from MetaImage files: their range, what becomes of their numbers, and one or all of a sequence. */
-#include "base/threads.h"
+#include "core/threads.h"
 #include "volume/levels.h"
 #include "volume/metaimage.h"
 #include "volume/metaimage_parts.h"

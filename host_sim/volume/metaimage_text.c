@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The text of a MetaImage header, told from files of other formats by what is in it and not by its name. */
-#include "base/input_file.h"
-#include "base/system.h"
+#include "core/input_file.h"
+#include "core/system.h"
 #include "volume/metaimage_parts.h"
 
 #include <ctype.h>

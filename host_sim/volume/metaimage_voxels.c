@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The voxels of a MetaImage file: its bytes as one stream, compressed or not, and the numbers they are. */
-#include "base/input_file.h"
-#include "base/threads.h"
+#include "core/input_file.h"
+#include "core/threads.h"
 #include "volume/metaimage_parts.h"
 
 #include <float.h>

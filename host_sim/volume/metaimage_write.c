@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/metaimage_write.h"
 
-#include "base/output_file.h"
+#include "core/output_file.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/volume.h"
 
-#include "base/threads.h"
+#include "core/threads.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -3,7 +3,7 @@
  * lies in the patient. */
 #pragma once
 
-#include "base/error.h"
+#include "core/error.h"
 #include "volume/beams.h"
 
 #include <stdbool.h>

@@ -2,7 +2,7 @@
 /* What the parts of the benchmark share: machine, times, two threads, slabs. */
 #pragma once
 
-#include "base/error.h"
+#include "core/error.h"
 #include "guarded/guard_options.h"
 #include "loop/loop_run.h"
 #include "plugin/loader.h"

@@ -2,8 +2,8 @@
 /* What sv_bench measures, part by part, and how it is told. */
 #pragma once
 
-#include "base/progress.h"
 #include "bench/bench.h"
+#include "core/progress.h"
 #include "plugin/capabilities.h"
 #include "plugin/loader.h"
 #include "render/host_cl.h"

@@ -2,7 +2,7 @@
 /* Two threads, the caller and one more, for the C side of the benchmark. */
 #include "bench/bench.h"
 
-#include "base/progress.h"
+#include "core/progress.h"
 
 #include <linux/futex.h>
 #include <pthread.h>

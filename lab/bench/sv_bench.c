@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* sv_bench: a plugin's speed beside plain C. */
-#include "base/cli.h"
-#include "base/options.h"
 #include "bench/bench.h"
 #include "bench/bench_results.h"
+#include "core/cli.h"
+#include "core/options.h"
 #include "guard/child.h"
 #include "guarded/in_child.h"
 

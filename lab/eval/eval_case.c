@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "eval/eval_case.h"
 
-#include "base/progress.h"
-#include "base/system.h"
-#include "base/text.h"
+#include "core/progress.h"
+#include "core/system.h"
+#include "core/text.h"
 #include "loop/loop_run.h"
 #include "plugin/loader_param.h"
 #include "volume/fan_fit.h"

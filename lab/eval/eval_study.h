@@ -2,7 +2,7 @@
 /* A plugin over all cases: as it is, and its parameter space: what is run and what is best. */
 #pragma once
 
-#include "base/progress.h"
+#include "core/progress.h"
 #include "eval/eval_case.h"
 #include "guarded/guard_options.h"
 #include "loop/loop_run.h"

@@ -3,7 +3,7 @@
  * scene. */
 #include "judge/judge.h"
 
-#include "base/system.h"
+#include "core/system.h"
 #include "render/camera.h"
 #include "volume/fan_fit.h"
 #include "volume/metaimage.h"

@@ -2,7 +2,7 @@
 /* Scenes to judge surfaces on, each in its own pose or in a shifted one. */
 #include "judge/judge.h"
 
-#include "base/paths.h"
+#include "core/paths.h"
 
 #include <errno.h>
 #include <jansson.h>

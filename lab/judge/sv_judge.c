@@ -3,8 +3,8 @@
  * (docs/surface.md). */
 #include "judge/judge.h"
 
-#include "base/cli.h"
-#include "base/options.h"
+#include "core/cli.h"
+#include "core/options.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "page/page_html.h"
 
-#include "base/input_file.h"
-#include "base/system.h"
+#include "core/input_file.h"
+#include "core/system.h"
 #include "picture/picture.h"
 
 #include <errno.h>

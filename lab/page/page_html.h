@@ -3,7 +3,7 @@
  * slider's. */
 #pragma once
 
-#include "base/output_file.h"
+#include "core/output_file.h"
 
 enum { HS_PAGE_COLUMNS = 40 };
 

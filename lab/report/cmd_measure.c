@@ -2,8 +2,8 @@
 /* host_sim measure: the quality of depthmaps that were made elsewhere. */
 #include "report/report.h"
 
-#include "base/cli.h"
-#include "base/options.h"
+#include "core/cli.h"
+#include "core/options.h"
 #include "loop/source_options.h"
 #include "volume/metaimage.h"
 

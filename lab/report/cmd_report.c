@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report.h"
 
-#include "base/cli.h"
-#include "base/options.h"
-#include "base/paths.h"
-#include "base/text.h"
 #include "commands/look_line.h"
+#include "core/cli.h"
+#include "core/options.h"
+#include "core/paths.h"
+#include "core/text.h"
 #include "guarded/guard_options.h"
 #include "loop/source_options.h"
 #include "scene/scene.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report.h"
 
-#include "base/paths.h"
-#include "base/system.h"
+#include "core/paths.h"
+#include "core/system.h"
 
 #include <math.h>
 #include <stdio.h>

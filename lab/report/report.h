@@ -2,9 +2,9 @@
 /* What the report is made of: its commands, the results on the disk, tables, pictures and pages. */
 #pragma once
 
-#include "base/error.h"
-#include "base/progress.h"
-#include "base/system.h"
+#include "core/error.h"
+#include "core/progress.h"
+#include "core/system.h"
 #include "eval/eval_case.h"
 #include "eval/eval_compare.h"
 #include "eval/eval_study.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "report/report.h"
 
-#include "base/output_file.h"
-#include "base/paths.h"
-#include "base/system.h"
-#include "base/text.h"
+#include "core/output_file.h"
+#include "core/paths.h"
+#include "core/system.h"
+#include "core/text.h"
 
 #include <math.h>
 #include <stdio.h>

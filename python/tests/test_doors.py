@@ -26,7 +26,7 @@ from smartvis._work import Settings
 from smartvis.cli import main
 from smartvis.serve import Budget, Session
 
-sys.path.append(str(SOURCE / "tests/machine/console"))
+sys.path.append(str(SOURCE / "tests/host_sim/console"))
 from console_client import Console, Page  # type: ignore[import-not-found]
 
 FEW = ("--frames", 1, "--setting", "smartvis", "--picture", 32, "--few-pictures", "--write", "depthmap", "--out")

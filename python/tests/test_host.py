@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Which host_sim is taken, what it gets, and what its failures say. The programs are stand-ins; the one of the wheel is
-tried by tests/machine/python/wheel.sh and scripts/try_wheel.sh."""
+tried by tests/python/wheel.sh and scripts/try_wheel.sh."""
 
 import json
 import sys

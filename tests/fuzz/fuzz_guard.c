@@ -5,7 +5,7 @@
  * input changes the answer and scribbles in the shared block, between the host's calls, too. Whatever comes,
  * what the host holds is bounded and stays as it was, and what failed has a reason.
  */
-#include "base/system.h"
+#include "core/system.h"
 #include "fuzz/fuzz_bytes.h"
 #include "fuzz/fuzz_target.h"
 #include "guarded/guard_link.h"

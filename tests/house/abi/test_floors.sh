@@ -51,21 +51,21 @@ src/frame/frame.h "method/method.h"
 src/frame/frame.c "frame/frame.h" "ref/ref_mean.h" "device/clx.h"
 src/abi/params.h "smartvis/stats.h"
 src/abi/plugin.c "abi/params.h" "frame/frame.h"
-host_sim/base/error.h <stdbool.h>
-host_sim/volume/volume.h "base/error.h"
+base/core/error.h <stdbool.h>
+host_sim/volume/volume.h "core/error.h"
 host_sim/volume/volume.c "volume/volume.h" <zlib.h>
-host_sim/picture/png.h "base/error.h"
+host_sim/picture/png.h "core/error.h"
 host_sim/picture/png.c "picture/png.h" <png.h>
-host_sim/plugin/loader.h "smartvis_plugin.h" "base/error.h"
+base/plugin/loader.h "smartvis_plugin.h" "core/error.h"
 host_sim/scene/scene.h "volume/volume.h" <jansson.h>
 host_sim/render/dvr.h "volume/volume.h" <CL/cl.h>
 host_sim/render/cl/dvr.cl "sample.clh"
 host_sim/render/cl/sample.clh
 host_sim/loop/loop.h "render/dvr.h" "plugin/loader.h" "scene/scene.h"
-tools/machine/commands/run.h "loop/loop.h"
+host_sim/commands/run.h "loop/loop.h"
 lab/eval/measure.h "loop/loop.h"
 lab/report/page.h "eval/measure.h" "picture/png.h" "commands/run.h"
-tools/machine/main.c "report/page.h"
+host_sim/program/main.c "report/page.h"
 lab/bench/times.h "loop/loop.h"
 lab/judge/judge_main.c "ref/ref_mean.h"
 tests/sdk/check/test_any.c "../../../src/device/clx.h" <lapacke.h>
@@ -94,25 +94,25 @@ src/device/clx.c "method/method.h" "quantise.h" "mean/mean.cl" "wall/wall.clh" <
 src/method/method.c "frame/frame.h"
 src/frame/frame.c "abi/params.h"
 src/abi/plugin.c "ref/ref_mean.h" "picture/png.h"
-host_sim/base/error.h "volume/volume.h" "smartvis_plugin.h"
+base/core/error.h "volume/volume.h" "smartvis_plugin.h"
 host_sim/volume/volume.c "picture/png.h"
-host_sim/picture/png.c "volume/volume.h" "smartvis_plugin.h" <CL/cl.h> "../base/error.h" MACRO_NAME
-host_sim/plugin/loader.h "render/dvr.h"
+host_sim/picture/png.c "volume/volume.h" "smartvis_plugin.h" <CL/cl.h> "../core/error.h" MACRO_NAME
+base/plugin/loader.h "render/dvr.h"
 host_sim/scene/scene.h "render/dvr.h"
 host_sim/render/dvr.h "scene/scene.h" "eval/measure.h" "device/clx.h" "../src/device/clx.h"
 host_sim/render/cl/dvr.cl "common/sv_shared.h"
 host_sim/loop/loop.h "eval/measure.h"
 lab/eval/measure.h "picture/png.h" "report/page.h" "ref/ref_mean.h"
-tools/machine/main.c "ref/ref_mean.h"
+host_sim/program/main.c "ref/ref_mean.h"
 lab/judge/judge_main.c "method/method.h"
-examples/plane/plane.c "base/error.h"
+examples/plane/plane.c "core/error.h"
 tests/sdk/check/test_any.c "there_is_none.h"
 corner/new.c <stdint.h>
 cl/new.cl "common/sv_shared.h"
 src/corner/new.c <stdint.h>
 BREACHES
 # An include in another form.
-for form in '#include MACRO_NAME' '%:include "base/error.h"' '#  include "../../host_sim/base/error.h"'; do
+for form in '#include MACRO_NAME' '%:include "core/error.h"' '#  include "../../base/core/error.h"'; do
     echo "$form" >> "$work/tree/host_sim/picture/png.c"
     caught "" "host_sim/picture/png.c:$(wc -l < "$work/kept/host_sim/picture/png.c" | awk '{ print $1 + 1 }'):"
 done
@@ -123,8 +123,8 @@ while read -ra words; do
     caught "" "${words[0]%.*}: in a circle of includes"
 done << 'CIRCLES'
 src/device/a.h device/b.h src/device/b.h device/a.h
-host_sim/base/a.h base/b.h host_sim/base/b.h base/c.h host_sim/base/c.h base/a.h
-host_sim/base/a.c base/b.h host_sim/base/b.h base/a.h host_sim/base/a.h base/error.h
+base/core/a.h core/b.h base/core/b.h core/c.h base/core/c.h core/a.h
+base/core/a.c core/b.h base/core/b.h core/a.h base/core/a.h core/error.h
 cl/mean/a.clh mean/b.clh cl/mean/b.clh mean/a.clh
 CIRCLES
 

@@ -65,7 +65,7 @@ for plugin in depth_nan last_row_missing map_not_written any_extension; do
 done
 
 # --- the console: a few settings of a page
-PYTHONPATH=$source_dir/tests/machine/console ends 0 python3 -B - "$build" "$layer" << 'PAGE'
+PYTHONPATH=$source_dir/tests/host_sim/console ends 0 python3 -B - "$build" "$layer" << 'PAGE'
 import sys
 from console_client import Console, Page
 

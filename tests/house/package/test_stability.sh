@@ -51,7 +51,7 @@ OCL_ICD_VENDORS=$work/nothing holds code 5 "${run[@]}"
 holds code 6 "$build/host_sim" run --scene E01 --size 32 --picture 64 --out "$0/folder"
 
 # --- versions of files
-holds grep -q "^#define REC_VERSION 2u$" "$source_dir/tools/sdk/record/rec_item.h"
+holds grep -q "^#define REC_VERSION 2u$" "$source_dir/sdk/record/rec_item.h"
 
 echo "$checked checked, $failed failed"
 [ "$failed" = 0 ]

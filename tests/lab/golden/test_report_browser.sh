@@ -18,4 +18,4 @@ few=(--case E04 --case D01)
 "$build/host_sim" demo --quick --picture 64 --out "$work/demo" > /dev/null 2>&1
 grep -q 'class="slider' "$work/report/index.html"
 grep -q 'class="row wide' "$work/demo/index.html"
-python3 -B "$1/tests/machine/console/page_looks.py" "$work/report/index.html" "$work/demo/index.html"
+python3 -B "$1/tests/host_sim/console/page_looks.py" "$work/report/index.html" "$work/demo/index.html"

@@ -5,7 +5,7 @@
  * interposed heap. With the plugin's own queue, end and adjust wait exactly once. That the spies see what
  * they are there for, the wrong plugins of sv_validate show.
  */
-#include "base/progress.h"
+#include "core/progress.h"
 #include "support/fixture.h"
 #include "support/surfaces.h"
 #include "validate/spy/cl_spy.h"

@@ -9,14 +9,14 @@ trap 'rm -rf "$work"' EXIT
 # Addresses at random are too many bits for some versions of it.
 tsan() { setarch -R env TSAN_OPTIONS="halt_on_error=1 exitcode=66" "$@"; }
 cd "$source_dir"
-flags=(-std=c11 -D_GNU_SOURCE -DCL_TARGET_OPENCL_VERSION=120 -g -O1 -fsanitize=thread -ffp-contract=off -Iinclude -Itools/sdk -Ihost_sim)
+flags=(-std=c11 -D_GNU_SOURCE -DCL_TARGET_OPENCL_VERSION=120 -g -O1 -fsanitize=thread -ffp-contract=off -Iinclude -Isdk -Ibase)
 echo 'int main(void) { return 0; }' > "$work/probe.c"
 { cc "${flags[@]}" "$work/probe.c" -o "$work/probe" && tsan "$work/probe"; } 2> "$work/why" || {
     echo "skipped: no ThreadSanitizer here: $(head -n 1 "$work/why")"
     exit 77
 }
-cc "${flags[@]}" -fPIC -shared -fvisibility=hidden -DLY_VERSION='"test"' tools/sdk/layer/*.c tools/sdk/rules/*.c tools/sdk/record/*.c \
-    host_sim/base/system_posix.c -o "$work/layer.so" -lOpenCL -lz -lm -lpthread
+cc "${flags[@]}" -fPIC -shared -fvisibility=hidden -DLY_VERSION='"test"' sdk/layer/*.c sdk/rules/*.c sdk/record/*.c \
+    base/core/system_posix.c -o "$work/layer.so" -lOpenCL -lz -lm -lpthread
 cc "${flags[@]}" -fPIC -shared -fvisibility=hidden -DPLUGIN tests/programs/layer_threads.c -o "$work/plugin.so"
 cc "${flags[@]}" tests/programs/layer_threads.c -o "$work/host" -ldl -lpthread
 export SMARTVIS_CHECK_PLUGIN=$work/plugin.so

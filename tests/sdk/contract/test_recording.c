@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Recordings (tools/sdk/record/): what passes between host and plugin comes back as it was, from every
+ * Recordings (sdk/record/): what passes between host and plugin comes back as it was, from every
  * carrier; a ring keeps the last frames; and what is cut off or damaged at any byte is told, and never read
  * as if it were whole.
  */

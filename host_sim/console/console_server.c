@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: MIT */
+#include "console/console.h"
+
+#include "core/text.h"
+#include "hs_page_css.h"
+#include "hs_page_html.h"
+#include "hs_page_js.h"
+
+#include <arpa/inet.h>
+#include <civetweb.h>
+#include <netdb.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+
+#define SERVED          128 /* connections at a time: a thread each, which costs 16 KiB */
+#define TEXT_OF(number) #number
+#define AS_TEXT(number) TEXT_OF(number)
+enum { MAX_IDLE = 64, MAX_FILES = 1024, MAX_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
+
+/* A connection that is no page. */
+typedef struct guest {
+    const struct mg_connection *connection; /* NULL: a free place */
+    uint64_t turn;
+} guest;
+
+struct hs_console_server {
+    const hs_console_shared *shared;
+    struct mg_context *web;
+    char token[HS_CONSOLE_TOKEN];
+    char host[64]; /* as it stands in the address */
+    bool loopback;
+    pthread_mutex_t lock; /* of what follows, and held until the server has started */
+    uint32_t port;
+    uint32_t pages, ever;
+    uint64_t turns;   /* connections so far */
+    uint64_t dropped; /* bytes that pages have dropped */
+    bool dropping;
+    guest guests[SERVED];
+};
+
+/* ------------------------------------------------------------------------------------------- guests -- */
+
+/* The place of a connection; NULL: it has none. */
+static guest *guest_of(hs_console_server *server, const struct mg_connection *c) {
+    for (uint32_t i = 0; i < SERVED; i++)
+        if (server->guests[i].connection == c) return &server->guests[i];
+    return NULL;
+}
+
+/* Whether this is the socket of the request's connection; the library does not tell. */
+static bool is_socket_of(int socket, const struct mg_request_info *request) {
+    struct sockaddr_storage peer = {0};
+    socklen_t bytes = sizeof peer;
+    char host[NI_MAXHOST], port[NI_MAXSERV];
+    return getpeername(socket, (struct sockaddr *)&peer, &bytes) == 0 &&
+           (peer.ss_family == AF_INET || peer.ss_family == AF_INET6) &&
+           getnameinfo((struct sockaddr *)&peer, bytes, host, sizeof host, port, sizeof port,
+                       NI_NUMERICHOST | NI_NUMERICSERV) == 0 &&
+           atoi(port) == request->remote_port && strcmp(host, request->remote_addr) == 0;
+}
+
+/* Ends the wait of the thread that serves it. The lock is held, and end_guest waits for it before the library
+ * closes the socket: so no other file can have its number. */
+static void give_up(guest *one) {
+    const struct mg_request_info *request = mg_get_request_info(one->connection);
+    int socket = 0;
+    while (request && socket < MAX_FILES && !is_socket_of(socket, request)) socket++;
+    if (request && socket < MAX_FILES) (void)shutdown(socket, SHUT_RDWR);
+    one->connection = NULL;
+}
+
+/* Gives the place a turn. Who still waits for its client when MAX_IDLE turns were given after its own is
+ * given up: however many slow clients there are, threads are left for others. */
+static void take_turn(hs_console_server *server, guest *place, const struct mg_connection *c) {
+    if (!place) return;
+    *place = (guest){c, ++server->turns};
+    for (uint32_t i = 0; i < SERVED; i++)
+        if (server->guests[i].connection && server->guests[i].turn + MAX_IDLE <= server->turns)
+            give_up(&server->guests[i]);
+}
+
+/* Every connection, before it has said anything. */
+static int begin_guest(const struct mg_connection *c, void **data) {
+    (void)data;
+    hs_console_server *server = mg_get_user_data(mg_get_context(c));
+    (void)pthread_mutex_lock(&server->lock);
+    take_turn(server, guest_of(server, NULL), c);
+    (void)pthread_mutex_unlock(&server->lock);
+    return 0;
+}
+
+static void end_guest(const struct mg_connection *c) {
+    hs_console_server *server = mg_get_user_data(mg_get_context(c));
+    (void)pthread_mutex_lock(&server->lock);
+    guest *one = guest_of(server, c);
+    if (one) one->connection = NULL;
+    (void)pthread_mutex_unlock(&server->lock);
+}
+
+/* ------------------------------------------------------------------------------------------- files -- */
+
+/* Nothing from elsewhere, and nothing for elsewhere. */
+static const char headers[] =
+    "Cache-Control: no-store\r\n"
+    "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; "
+    "img-src 'self' blob: data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'\r\n"
+    "X-Content-Type-Options: nosniff\r\n"
+    "Referrer-Policy: no-referrer\r\n"
+    "Cross-Origin-Resource-Policy: same-origin\r\n"
+    "Cross-Origin-Opener-Policy: same-origin\r\n"
+    "Connection: close\r\n";
+
+static int answer(struct mg_connection *c, int status, const char *type, const void *body, size_t bytes) {
+    const struct mg_request_info *request = mg_get_request_info(c); /* what could not be read has none */
+    const bool head = request && request->request_method && strcmp(request->request_method, "HEAD") == 0;
+    (void)mg_printf(c, "HTTP/1.1 %d %s\r\nContent-Type: %s; charset=utf-8\r\nContent-Length: %zu\r\n%s\r\n",
+                    status, mg_get_response_code_text(c, status), type, bytes, headers);
+    if (!head) (void)mg_write(c, body, bytes);
+    return status;
+}
+
+static int refuse(struct mg_connection *c, int status, const char *text) {
+    return answer(c, status, "text/plain", text, strlen(text));
+}
+
+/* What the library refuses by itself. 0: it has been answered. */
+static int answer_error(struct mg_connection *c, int status, const char *message) {
+    (void)message; /* it may name files */
+    (void)refuse(c, status, "This cannot be answered.\n");
+    return 0;
+}
+
+/* Whether the request, which is whole, names this server. */
+static bool is_for_us(hs_console_server *server, const struct mg_connection *c) {
+    (void)pthread_mutex_lock(&server->lock);
+    take_turn(server, guest_of(server, c), c);
+    (void)pthread_mutex_unlock(&server->lock);
+    return hs_console_host_is_ours(mg_get_header(c, "Host"), server->loopback);
+}
+
+/* Whether the page of the request is this server's, and has the token. */
+static bool is_our_page(const hs_console_server *server, const struct mg_connection *c) {
+    return hs_console_origin_is_ours(mg_get_header(c, "Origin"), mg_get_header(c, "Host")) &&
+           hs_console_token_fits(mg_get_request_info(c)->query_string, server->token);
+}
+
+static int receive(void *connection, void *out, size_t bytes) {
+    return mg_read(connection, out, bytes);
+}
+
+/* One at a time, and no more than there is room for. A page may be slow: its place is not given up. */
+static bool begin_drop(hs_console_server *server, const struct mg_connection *c, uint64_t bytes) {
+    (void)pthread_mutex_lock(&server->lock);
+    const bool ok = !server->dropping && bytes <= HS_CONSOLE_DROP_BYTES - server->dropped;
+    guest *one = guest_of(server, c);
+    if (ok && one) one->connection = NULL;
+    server->dropping |= ok;
+    (void)pthread_mutex_unlock(&server->lock);
+    return ok;
+}
+
+static void end_drop(hs_console_server *server, uint64_t bytes) {
+    (void)pthread_mutex_lock(&server->lock);
+    server->dropping = false;
+    server->dropped += bytes;
+    (void)pthread_mutex_unlock(&server->lock);
+}
+
+/* A volume that was dropped on a page. Answers with its path in the folder of such files. */
+static int take_drop(hs_console_server *server, struct mg_connection *c,
+                     const struct mg_request_info *request) {
+    char given[512], name[HS_CONSOLE_PATH];
+    hs_error err = {0};
+    const uint64_t bytes = request->content_length > 0 ? (uint64_t)request->content_length : 0;
+    const char *query = request->query_string ? request->query_string : "";
+    if (!is_our_page(server, c)) return refuse(c, 403, "Only the console's own page may drop a file.");
+    if (mg_get_var(query, strlen(query), "name", given, sizeof given) < 1)
+        return refuse(c, 400, "A file has a name.");
+    if (bytes == 0) return refuse(c, 411, "The file is empty.");
+    if (!begin_drop(server, c, bytes))
+        return refuse(c, 413, "The console takes one file at a time, and 2 GiB of them until it ends.");
+    const bool ok = hs_console_drop_take(&server->shared->files, given, bytes, receive, c, name, &err);
+    end_drop(server, ok ? bytes : 0);
+    return ok ? answer(c, 200, "text/plain", name, strlen(name)) : refuse(c, 400, err.text);
+}
+
+/* Every request, before anything else looks at it. 0: it goes on to the WebSocket. */
+static int begin_request(struct mg_connection *c) {
+    hs_console_server *server = mg_get_user_data(mg_get_context(c));
+    const struct mg_request_info *request = mg_get_request_info(c);
+    const char *uri = request->local_uri ? request->local_uri : "";
+    if (!is_for_us(server, c))
+        return refuse(c, 403, "This console is reached by the address that it printed.\n");
+    if (strstr(uri, "%00") || (request->query_string && strstr(request->query_string, "%00")))
+        return refuse(c, 400, "An address has no zero bytes.\n");
+    if (strcmp(request->request_method, "POST") == 0 && strcmp(uri, "/drop") == 0)
+        return take_drop(server, c, request);
+    if (strcmp(request->request_method, "GET") != 0 && strcmp(request->request_method, "HEAD") != 0)
+        return refuse(c, 405, "Only GET and HEAD.\n");
+    if (strcmp(uri, "/live") == 0) return 0;
+    if (strcmp(uri, "/console.css") == 0)
+        return answer(c, 200, "text/css", hs_page_css_text, hs_page_css_text_size);
+    if (strcmp(uri, "/console.js") == 0)
+        return answer(c, 200, "text/javascript", hs_page_js_text, hs_page_js_text_size);
+    if (strcmp(uri, "/") != 0) return refuse(c, 404, "There is no such page.\n");
+    if (!hs_console_token_fits(request->query_string, server->token))
+        return refuse(c, 403,
+                      "The token is wrong: open the address that the console printed when it started.\n");
+    return answer(c, 200, "text/html", hs_page_html_text, hs_page_html_text_size);
+}
+
+/* -------------------------------------------------------------------------------------------- pages -- */
+
+static bool send_to_page(void *connection, bool binary, const uint8_t *data, size_t bytes) {
+    return mg_websocket_write(connection, binary ? MG_WEBSOCKET_OPCODE_BINARY : MG_WEBSOCKET_OPCODE_TEXT,
+                              (const char *)data, bytes) > 0;
+}
+
+/* 0 lets the page in. */
+static int connect_page(const struct mg_connection *c, void *context) {
+    hs_console_server *server = context;
+    if (!is_for_us(server, c) || !is_our_page(server, c)) return 1;
+    (void)pthread_mutex_lock(&server->lock);
+    const bool full = server->pages == MAX_PAGES;
+    if (!full) {
+        server->pages++;
+        server->ever++;
+        guest *one = guest_of(server, c); /* a page may be silent */
+        if (one) one->connection = NULL;
+    }
+    (void)pthread_mutex_unlock(&server->lock);
+    return full;
+}
+
+static void ready_page(struct mg_connection *c, void *context) {
+    const hs_console_server *server = context;
+    hs_error err = {0};
+    hs_console_page *page = hs_console_page_open(server->shared, send_to_page, c, &err);
+    if (!page) hs_print(stderr, "host_sim console: %s\n", err.text);
+    mg_set_user_connection_data(c, page);
+}
+
+/* A message is one frame of text. 0 closes the page. */
+static int hear_page(struct mg_connection *c, int bits, char *data, size_t bytes, void *context) {
+    (void)context;
+    hs_console_page *page = mg_get_user_connection_data(c);
+    const int opcode = bits & OPCODE;
+    if (opcode == MG_WEBSOCKET_OPCODE_PING || opcode == MG_WEBSOCKET_OPCODE_PONG) return 1;
+    return page && opcode == MG_WEBSOCKET_OPCODE_TEXT && (bits & WHOLE) &&
+           hs_console_page_say(page, data, bytes);
+}
+
+static void close_page(const struct mg_connection *c, void *context) {
+    hs_console_server *server = context;
+    hs_console_page_close(mg_get_user_connection_data(c));
+    (void)pthread_mutex_lock(&server->lock);
+    server->pages--;
+    (void)pthread_mutex_unlock(&server->lock);
+}
+
+/* ------------------------------------------------------------------------------------------- server -- */
+
+static bool take_address(hs_console_server *server, const hs_console_address *address, hs_error *err) {
+    const char *listen = address->listen ? address->listen : "127.0.0.1";
+    uint8_t bytes[16];
+    const bool four = inet_pton(AF_INET, listen, bytes) == 1,
+               six = !four && inet_pton(AF_INET6, listen, bytes) == 1;
+    static const uint8_t one[16] = {[15] = 1};
+    if (!four && !six)
+        return hs_fail(err, HS_ERR_USAGE, "--listen: '%s' is no address of IPv4 or IPv6", listen);
+    server->loopback = four ? bytes[0] == 127 : memcmp(bytes, one, sizeof one) == 0;
+    (void)snprintf(server->host, sizeof server->host, six ? "[%s]" : "%s", listen);
+    return true;
+}
+
+/* What the library has to say, why it did not start for example. */
+static int note_message(const struct mg_connection *c, const char *message) {
+    (void)c;
+    hs_print(stderr, "host_sim console: %s\n", message);
+    return 1;
+}
+
+static bool start(hs_console_server *server, const hs_console_address *address, hs_error *err) {
+    char where[96];
+    (void)snprintf(where, sizeof where, "%s:%u", server->host, address->port);
+    const char *options[] = {"listening_ports",
+                             where,
+                             "num_threads",
+                             AS_TEXT(SERVED),
+                             "connection_queue",
+                             AS_TEXT(SERVED),
+                             "listen_backlog", /* many at once need not knock twice */
+                             "1024",
+                             "max_request_size",
+                             "8192",
+                             "request_timeout_ms", /* for a request to be whole, and for a write to go on */
+                             "3000",
+                             "websocket_timeout_ms",
+                             "20000",
+                             "enable_websocket_ping_pong",
+                             "yes",
+                             "decode_url", /* it would end at a zero byte */
+                             "no",
+                             "enable_keep_alive",
+                             "no",
+                             "tcp_nodelay",
+                             "1",
+                             NULL};
+    const struct mg_callbacks callbacks = {.init_connection = begin_guest,
+                                           .connection_close = end_guest,
+                                           .begin_request = begin_request,
+                                           .log_message = note_message,
+                                           .http_error = answer_error};
+    struct mg_server_port port;
+    (void)mg_init_library(0);
+    server->web = mg_start(&callbacks, server, options);
+    if (!server->web)
+        return hs_fail(err, HS_ERR_FAILED,
+                       "console: cannot listen on %s: is it taken, or not of this machine?", where);
+    mg_set_websocket_handler(server->web, "/live", connect_page, ready_page, hear_page, close_page, server);
+    if (mg_get_server_ports(server->web, 1, &port) < 1)
+        return hs_fail(err, HS_ERR_FAILED, "console: listens on no port");
+    server->port = (uint32_t)port.port;
+    return true;
+}
+
+hs_console_server *hs_console_server_open(const hs_console_shared *shared, const hs_console_address *address,
+                                          hs_error *err) {
+    hs_console_server *server = calloc(1, sizeof *server);
+    if (!server) {
+        (void)hs_fail(err, HS_ERR_MEMORY, "console: no memory");
+        return NULL;
+    }
+    server->shared = shared;
+    (void)pthread_mutex_init(&server->lock, NULL);
+    (void)pthread_mutex_lock(&server->lock);
+    const bool ok = take_address(server, address, err) && hs_console_make_token(server->token, err) &&
+                    start(server, address, err);
+    (void)pthread_mutex_unlock(&server->lock);
+    if (ok) return server;
+    hs_console_server_close(server);
+    return NULL;
+}
+
+void hs_console_server_address(const hs_console_server *server, char *out, size_t bytes) {
+    (void)snprintf(out, bytes, "http://%s:%u/?t=%s", server->host, server->port, server->token);
+}
+
+uint32_t hs_console_server_pages(hs_console_server *server, uint32_t *ever) {
+    (void)pthread_mutex_lock(&server->lock);
+    const uint32_t pages = server->pages;
+    *ever = server->ever;
+    (void)pthread_mutex_unlock(&server->lock);
+    return pages;
+}
+
+void hs_console_server_close(hs_console_server *server) {
+    if (!server) return;
+    if (server->web) {
+        mg_stop(server->web);
+        (void)mg_exit_library();
+    }
+    (void)pthread_mutex_destroy(&server->lock);
+    free(server);
+}
