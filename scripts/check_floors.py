@@ -41,9 +41,10 @@ host_sim/picture/*_windows.c | base/core . | libc windows
 host_sim/picture | base/core . | libc drawing
 base/plugin | abi base/core . | libc
 host_sim/scene | base/core host_sim/volume . | libc json
-host_sim/render | base/core host_sim/volume kernels . | libc opencl
+host_sim/render | base/core base/opencl host_sim/volume kernels . | libc opencl
 host_sim/render/cl | . |
-host_sim/guarded | abi base/core base/guard base/plugin host_sim/render . | libc opencl
+base/opencl | base/core . | libc opencl
+base/guarded | abi base/core base/guard base/plugin base/opencl . | libc opencl
 host_sim/loop | abi MACHINE . | libc opencl
 host_sim/seen | abi MACHINE host_sim/loop . | libc opencl
 host_sim/result | abi MACHINE host_sim/loop . | libc opencl
@@ -58,7 +59,7 @@ lab/bench | abi HOST sdk/stage . | libc opencl futex
 lab/judge | abi HOST src src/ref sdk/stage lab/eval . | libc opencl json
 sdk/layer | abi base/core sdk/rules sdk/record . | libc opencl
 sdk/record | abi base/core sdk/rules . | libc opencl zlib
-sdk/replay | abi HOST host_sim/show sdk/rules sdk/record . | libc opencl
+sdk/replay | abi base/core base/guard base/plugin base/opencl base/guarded sdk/rules sdk/record . | libc opencl drawing
 sdk/validate/spy/*_pe.c | . | libc windows
 sdk/validate/spy | . | libc opencl elf
 sdk/rules | abi . | libc
@@ -73,8 +74,8 @@ bindings/rust/src | abi |
 tests/* | any kernels | any
 tests/*/* | any kernels | any
 """
-MACHINE = "base/core base/guard host_sim/volume" \
-          " base/plugin host_sim/scene host_sim/render host_sim/guarded"
+MACHINE = "base/core base/guard base/opencl base/guarded host_sim/volume" \
+          " base/plugin host_sim/scene host_sim/render"
 HOST = MACHINE + " host_sim/picture host_sim/loop host_sim/result"
 
 GROUPS = {
@@ -94,7 +95,7 @@ GROUPS = {
 # Where a "..." may be found from each part of the tree.
 ROOTS = {
     "include": "include", "cl": "cl", "src": "include src cl", "base": "include base", "host_sim": "include base host_sim lab",
-    "sdk": "include base sdk host_sim", "lab": "include base host_sim lab sdk src cl",
+    "sdk": "include base sdk", "lab": "include base host_sim lab sdk src cl",
     "examples": "include", "bindings": "include", "python": "include",
     "tests": "include tests tests/sdk tests/host_sim base sdk lab host_sim src cl",
 }

@@ -44,7 +44,7 @@ TESTS = [
     (r"host_sim/volume", r"test_(metaimage|kretz|volume|beams|pose|hostile|files)|replay_(metaimage|kretz)"),
     (r"host_sim/scene", r"test_scene|test_handover|replay_scene|golden/test_scenes"),
     (r"host_sim/render", r"test_(dvr|lit|scan|camera|host_launch|loop)"),
-    (r"base/(guard|plugin)|host_sim/guarded", r"test_(child|guarded|loader|loop)"),
+    (r"base/(guard|guarded|plugin)", r"test_(child|guarded|loader|loop)"),
     (r"host_sim/loop", r"test_(loop|files|metaimage_loop|confidence|slices)|golden/"),
     (r"host_sim/(picture|result)|host_sim/show", r"test_(picture|slices|result|loop)|golden/"),
     (r"base|host_sim", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),

@@ -117,7 +117,7 @@ while read -r name; do
     esac
     if [ -n "$says" ]; then
         x86_64-w64-mingw32-gcc -O2 -mcmodel=small -Wno-attributes -shared -static -D CL_TARGET_OPENCL_VERSION=120 -I include -I "$root/include" \
-            tests/host_sim/plugins/plane.c "-Wl,--defsym=plane_line=plane_lines+$line" -L "$root/lib" -lOpenCL -o "$out/$name.dll" 2> "$out/there.log"
+            tests/base/plugins/plane.c "-Wl,--defsym=plane_line=plane_lines+$line" -L "$root/lib" -lOpenCL -o "$out/$name.dll" 2> "$out/there.log"
         ends 4 "$replay" "$out/plane.svr" --plugin "$out/$name.dll" --set fail=slab --guard-time 5,8
         grep -q "$name.dll: $says" "$out/there.txt" || { cat "$out/there.txt" >&2; exit 1; }
         (cd "$out" && timeout 120 wine installed/bin/host_sim.exe run --scene E01 --size 32 --frames 2 --picture 32 --few-pictures --setting smartvis \
@@ -127,7 +127,7 @@ while read -r name; do
             { cat "$out/there.txt" >&2; echo "windows: host_sim and $name: expected two unclipped frames" >&2; exit 1; }
     fi
     line=$((line + 1))
-done < <(sed -n 's/^    {"\([a-z0-9_]*\)".*/\1/p' tests/host_sim/plugins/plane.c)
+done < <(sed -n 's/^    {"\([a-z0-9_]*\)".*/\1/p' tests/base/plugins/plane.c)
 echo "windows: plugins that crash, leave and hang are named, and host_sim renders unclipped"
 # Paths that Windows reads otherwise: a device, a stream, a folder, a name that is longer than a path, and what is not there.
 long=$(printf 'n%.0s' {1..300})

@@ -3,7 +3,7 @@
 
 #include "loop/map_check.h"
 #include "plugin/capabilities.h"
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 
 #include <stdlib.h>
 

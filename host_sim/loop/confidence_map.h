@@ -8,7 +8,7 @@
 #pragma once
 
 #include "plugin/loader.h"
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 
 typedef struct hs_confidence_map hs_confidence_map;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 
 /* Whether the values of a map that a plugin wrote may be used: counted on the device, in the order of the
  * queue, with no wait of its own. Zeroed: nothing to free. */

@@ -5,7 +5,7 @@
  */
 #pragma once
 
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 
 /*
  * A brick has 8 sample positions per edge (BRICK_SHIFT in cl/base.cl), and its maximum covers one voxel more

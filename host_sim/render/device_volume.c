@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/device_volume.h"
 
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "render/derived_volume.h"
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 #include "volume/beams.h"
 #include "volume/volume.h"
 

@@ -2,7 +2,7 @@
 /* How the renderer draws, and where its rays start. */
 #pragma once
 
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/scan_convert.h"
 
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "guarded/guard_options.h"
 #include "loop/loop_run.h"
 #include "plugin/loader.h"
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 
 #include <stdatomic.h>
 #include <stdbool.h>

@@ -6,7 +6,7 @@
 #include "core/progress.h"
 #include "plugin/capabilities.h"
 #include "plugin/loader.h"
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 #include "smartvis_plugin.h"
 
 /* ---------------------------------------------------------------------------------------------- plugin -- */

@@ -5,7 +5,7 @@
 #include "eval/eval_case.h"
 #include "plugin/loader.h"
 #include "ref/ref_wall.h"
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 #include "scene/scene.h"
 #include "stage/stage.h"
 #include "wall_layout.h"

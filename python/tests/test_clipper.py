@@ -39,7 +39,7 @@ def test_a_volume_allocates_nothing(volume: np.ndarray, method: str) -> None:
     assert most - before < 8192 < clipper.result.depth.nbytes  # nowhere a copy, not even of a map
 
 
-class _Record(ctypes.Structure):  # tests/host_sim/support/record.h
+class _Record(ctypes.Structure):  # tests/base/plugins/record.h
     _fields_ = (
         ("size", ctypes.c_uint32),
         ("frames", ctypes.c_uint32),

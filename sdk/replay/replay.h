@@ -3,9 +3,9 @@
 #pragma once
 
 #include "guarded/guarded.h"
+#include "opencl/host_cl.h"
 #include "record/rec.h"
 #include "record/rec_item.h"
-#include "render/host_cl.h"
 
 enum { RP_MAX_SETS = 32, RP_MAX_TOLD = 12 };
 #define RP_LAST UINT32_MAX
@@ -17,7 +17,7 @@ typedef struct {
     uint32_t carrier; /* SV_CARRIER_*; 0: as it was recorded */
     bool own_queue, verbose, list;
     double seconds;         /* that it may play, without the first activate */
-    const char *out;        /* folder for pictures of `frame`, or NULL */
+    const char *out;        /* folder for the files of `frame`, or NULL */
     const char *show;       /* folder for a page of all frames, or NULL */
     uint32_t frame;         /* from 0; RP_LAST */
     hs_guard_options guard; /* memory_bytes bounds what an activation takes, with a guard or without */
@@ -71,7 +71,7 @@ void rp_hand_close(rp_hand *h);
 
 /* -------------------------------------------------------------------------------------- replay_play -- */
 
-/* One frame, for its picture. */
+/* One frame, for its files. */
 typedef struct {
     uint32_t number;
     sv_format format;
@@ -109,10 +109,11 @@ bool rp_list(const char *file, hs_error *err);
 /* ------------------------------------------------------------------------------------- replay_show -- */
 
 /* Writes index.html into the folder: calls that failed, lines of the log, and what frames came to, with the
- * recorded depthmaps. Plays none. A recording that is cut off is shown as far as it goes: HS_ERR_INPUT. */
-bool rp_show(const char *file, const char *folder, hs_error *err);
+ * recorded depthmaps. Plays none. A recording that is cut off, or takes longer than o->seconds, is shown as
+ * far as it goes: HS_ERR_INPUT. */
+bool rp_show(const rp_options *o, hs_error *err);
 
-/* ------------------------------------------------------------------------------------- replay_draw -- */
+/* ----------------------------------------------------------------------------------- replay_export -- */
 
-/* Draws the frame into the folder as host_sim draws its own (hs_loop_write_pictures). */
-bool rp_draw(const rp_options *o, const rp_report *report, hs_error *err);
+/* Writes the frame into the folder as host_sim run takes it, volume.mha and map.mha, and prints how. */
+bool rp_export(const rp_options *o, const rp_report *report, hs_error *err);

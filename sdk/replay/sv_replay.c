@@ -34,10 +34,10 @@ static const hs_option options[] = {
     HS_TAKEN("carrier", "NAME", 0, take_carrier,
              "slabs in host memory, OpenCL buffers or images: host, buffer, image [as recorded]"),
     HS_FLAG("own-queue", AT(own_queue), "slabs in host memory, on the plugin's own queue"),
-    HS_TEXT("out", "FOLDER", AT(out), "pictures of a frame, as host_sim run draws them"),
-    HS_IN(COUNT, "frame", "N", AT(frame), 0, 4294967294.0, "which frame is drawn, 0 the first [the last]"),
+    HS_TEXT("out", "FOLDER", AT(out), "volume and map of a frame, for host_sim run to draw"),
+    HS_IN(COUNT, "frame", "N", AT(frame), 0, 4294967294.0, "which frame that is, 0 the first [the last]"),
     HS_IN(NUMBER, "seconds", "S", AT(seconds), 0.1, 1e6,
-          "that it may play, without the first activate [8, and 4 for each MB of the recording]"),
+          "that it may play, without the first activate, or show [8, and 4 for each MB of the recording]"),
     HS_TEXT("show", "FOLDER", AT(show), "a page of all frames: depthmaps, outcomes, the log; none is played"),
     HS_FLAG("list", AT(list), "print every call of the recording, and play none"),
     HS_FLAG("verbose", AT(verbose), "print what the plugin logs, and what it logged"),
@@ -83,7 +83,7 @@ static int play(void *context) {
     bool ok = report || hs_fail(&err, HS_ERR_MEMORY, "no memory");
     ok = ok && rp_play(o, report, &err);
     if (report && (ok || err.code == HS_ERR_INPUT) && report->calls > 0) print_report(o, report, ok);
-    if (ok && o->out) ok = rp_draw(o, report, &err);
+    if (ok && o->out) ok = rp_export(o, report, &err);
     const bool same = report && report->differences == 0;
     if (report) rp_frame_free(&report->drawn);
     free(report);
@@ -119,7 +119,7 @@ int main(int argc, char **argv) {
     if (ok) o.file = argv[next];
     if (ok) rp_set_bounds(&o);
     if (ok && o.list) ok = rp_list(o.file, &err);
-    if (ok && o.show) ok = rp_show(o.file, o.show, &err);
+    if (ok && o.show) ok = rp_show(&o, &err);
     hs_guard_options whole = o.guard;
     if (o.guard.choice == HS_GUARD_AUTO) whole.choice = HS_GUARD_ON;
     if (ok && !o.list && !o.show)

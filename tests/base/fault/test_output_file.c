@@ -3,7 +3,7 @@
  * else. */
 #include "core/output_file.h"
 
-#include "support/metaimage_files.h"
+#include "support/files.h"
 
 #include <dirent.h>
 #include <signal.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The host's launches keep the first error, and name the call and the kernel. */
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 #include "support/unit.h"
 
 typedef struct {

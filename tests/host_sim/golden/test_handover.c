@@ -3,8 +3,8 @@
  * What the host tells a plugin, as a plugin sees it (contract/plugins/recorder.c): slabs as the plugin takes
  * them by its descriptor, what was scanned, millimetres, time, and what does not continue.
  */
+#include "base/plugins/record.h"
 #include "support/loop_fixture.h"
-#include "support/record.h"
 
 #include <math.h>
 

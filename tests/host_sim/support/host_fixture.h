@@ -3,7 +3,7 @@
 #pragma once
 
 #include "render/camera.h"
-#include "render/host_cl.h"
+#include "render/host_kernels.h"
 #include "render/scan_convert.h"
 #include "support/unit.h"
 

@@ -15,7 +15,7 @@
 
 enum { N = 48, LOW = 16, PICTURE = 64, OCCLUDER = 4, FLUID = 12, FETUS = 30, FRAMES = 10 };
 
-/* The plane plugin's parameters (tests/host_sim/plugins/plane.c). */
+/* The plane plugin's parameters (tests/base/plugins/plane.c). */
 enum { DEPTH = 1, SHAPE = 2, FAIL = 3, EVERY = 4, NOTE = 5 };
 enum { FAIL_ACTIVATE = 1, FAIL_BEGIN = 2, FAIL_SLAB = 3, FAIL_END = 4 };
 

@@ -1,23 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* A folder for the files of a test, and MetaImage files in it, byte by byte and without the code under test.
- */
+/* MetaImage files in a test's folder, byte by byte and without the code under test. */
 #pragma once
 
-#include "support/unit.h"
+#include "support/files.h"
 #include "volume/metaimage.h"
-
-/* cmocka group setup and teardown: a new folder, and all that is in it gone. */
-int files_setup(void **state);
-int files_teardown(void **state);
-
-/* Number of files in the folder. */
-int files_count(void);
-
-/* The path of a file in the folder, kept for the test. */
-const char *files_path(const char *name);
-
-/* A file of `text` (NULL for none) and `bytes` bytes of data behind it. */
-void files_write(const char *name, const char *text, const void *data, size_t bytes);
 
 /* A MetaImage file of these bytes: of "2 2 2" voxels of a type, or of a sequence's "2 2 2 4", with more lines
  * in its text. */

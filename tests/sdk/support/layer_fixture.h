@@ -2,7 +2,7 @@
 /* The checking layer around a plugin, and a host that plays what a test tells it. */
 #pragma once
 
-#include "render/host_cl.h"
+#include "opencl/host_cl.h"
 #include "smartvis_plugin.h"
 
 #include <CL/cl.h>

@@ -1,40 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The host's OpenCL device, context and in-order queue, shared by scan conversion, renderer and plugin. */
+/* The machine's own kernels on its device: built, launched, and given memory. */
 #pragma once
 
-#include "core/error.h"
+#include "opencl/host_cl.h"
 
-#include <CL/cl.h>
-#include <stdint.h>
-
-typedef struct {
-    cl_device_id device;
-    cl_context context;
-    cl_command_queue queue; /* in-order, with profiling */
-    cl_program program;     /* the host's kernels, for its own sources: scan conversion, renderer, volume */
-    uint32_t lanes;         /* rays or voxels a work item of those kernels handles: 16 on CPUs, else 1 */
-    char device_name[256];
-    bool is_cpu; /* the device is a CPU: it shares the host's memory */
-} hs_cl;
-
-/* Opens the first GPU, else the first CPU, else any device, and builds the host's embedded kernels
- * for it. The environment variable SMARTVIS_DEVICE ("cpu" or "gpu") narrows the choice. False with
- * HS_ERR_DEVICE and what to do about it; where the kernels do not build, the first lines of the
- * build log. `cl` is all zero then. */
+/* hs_cl_open_bare, and builds the embedded kernels for the device. HS_ERR_DEVICE also where they do not
+ * build, with the first lines of the build log. */
 bool hs_cl_open(hs_cl *cl, hs_error *err);
 
-/* The same with `lanes` 1 or 16 whatever the device: a CPU can run, and test, the
- * kernels of a GPU. 0: as fits. */
+/* The same with `lanes` 1 or 16 whatever the device: a CPU can run, and test, the kernels of a GPU. 0: as
+ * fits. */
 bool hs_cl_open_lanes(hs_cl *cl, uint32_t lanes, hs_error *err);
-
-/* The same device, context and queue without the host's kernels: for who only hands memory to others. */
-bool hs_cl_open_bare(hs_cl *cl, hs_error *err);
-
-/* Waits for the queue and releases everything. Safe on a zeroed struct. */
-void hs_cl_close(hs_cl *cl);
-
-/* True on CL_SUCCESS; else records HS_ERR_DEVICE with the call's name, the code's name and its number. */
-bool hs_cl_check(cl_int code, const char *call, hs_error *err);
 
 /* Make *kernel of the host's program, or *buffer of `bytes` bytes for kernels to read and write, unless it is
  * there. HS_ERR_DEVICE with the kernel's name, or with what the buffer holds. The caller releases it. */

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "guarded/guard_block.h"
-#include "render/host_cl.h"
+#include "opencl/host_cl.h"
 
 /* A zeroed struct is closed. */
 typedef struct {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A plugin on the CPU that clips nothing and keeps what its host told it (support/record.h). CMakeLists.txt
+/* A plugin on the CPU that clips nothing and keeps what its host told it (record.h). CMakeLists.txt
  * compiles variants with other RECORDER_FEATURES and RECORDER_VOXELS. */
+#include "record.h"
 #include "smartvis/author.h"
-#include "support/record.h"
 
 #ifndef RECORDER_FEATURES
 #define RECORDER_FEATURES (SV_FEATURE_SCANNED | SV_FEATURE_PADDING | SV_FEATURE_PROBE)

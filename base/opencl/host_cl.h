@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* A host's OpenCL device, context and in-order queue, shared by all that it does and by the plugin. */
+#pragma once
+
+#include "core/error.h"
+
+#include <CL/cl.h>
+#include <stdint.h>
+
+typedef struct {
+    cl_device_id device;
+    cl_context context;
+    cl_command_queue queue; /* in-order, with profiling */
+    cl_program program;     /* the machine's kernels (render/host_kernels.h), or NULL */
+    uint32_t lanes;         /* rays or voxels a work item of those kernels handles: 16 on CPUs, else 1 */
+    char device_name[256];
+    bool is_cpu; /* the device is a CPU: it shares the host's memory */
+} hs_cl;
+
+/* Opens the first GPU, else the first CPU, else any device. The environment variable SMARTVIS_DEVICE ("cpu"
+ * or "gpu") narrows the choice. False with HS_ERR_DEVICE and what to do about it. `cl` is all zero then. */
+bool hs_cl_open_bare(hs_cl *cl, hs_error *err);
+
+/* Waits for the queue and releases everything. Safe on a zeroed struct. */
+void hs_cl_close(hs_cl *cl);
+
+/* True on CL_SUCCESS; else records HS_ERR_DEVICE with the call's name, the code's name and its number. */
+bool hs_cl_check(cl_int code, const char *call, hs_error *err);
