@@ -5,7 +5,7 @@
  *
  * This header is all a host or a plugin author needs. It includes <stdint.h> and <stddef.h> only, and
  * compiles as C99 to C23 and C++11 to C++20. Extensions have a header each in include/smartvis/, and so have
- * four optional helpers: author.h for plugins, lookup.h and open.h for hosts, probe.h for both.
+ * five optional helpers: author.h for plugins, lookup.h and open.h for hosts, device.h and probe.h for both.
  *
  *   host                                                        plugin
  *   ----                                                        ------

@@ -22,6 +22,7 @@ from pathlib import Path
 FLOORS = """
 include | | fixed
 include/smartvis/author*.h include/smartvis/lookup.h include/smartvis/probe.h | abi | fixed libc
+include/smartvis/device.h | abi | fixed libc
 include/smartvis/open.h | abi | fixed libc windows
 include/smartvis | abi | fixed
 cl/common | . |
@@ -43,7 +44,7 @@ base/plugin | abi base/core . | libc
 host_sim/scene | base/core host_sim/volume . | libc json
 host_sim/render | base/core base/opencl host_sim/volume kernels . | libc opencl
 host_sim/render/cl | . |
-base/opencl | base/core . | libc opencl
+base/opencl | abi base/core . | libc opencl
 base/guarded | abi base/core base/guard base/plugin base/opencl . | libc opencl
 host_sim/loop | abi MACHINE . | libc opencl
 host_sim/seen | abi MACHINE host_sim/loop . | libc opencl

@@ -3,16 +3,17 @@
  * commands, and the host waits once, when all is enqueued. The volume is a skin, a wavy gap of fluid and a
  * fetus. Usage: queue_host PLUGIN.so */
 #define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+#include "smartvis/device.h"
 #include "smartvis/open.h"
 #include "smartvis_plugin.h"
 
-#include <CL/cl.h>
 #include <stdio.h>
 
 enum { SIDE = 64, SLICES = 64, SLAB = 16, RAYS = SIDE * SIDE, SKIN = 100, FLUID = 10, FETUS = 200 };
 
 typedef struct {
-    cl_platform_id platform;
     cl_device_id device;
     cl_context context;
     cl_command_queue queue;
@@ -40,12 +41,13 @@ static void print_log(const sv_host *host, int32_t severity, const char *text) {
 
 /* 1, or 0 if there is no device or no memory; close_device takes what came so far. */
 static int open_device(device *d) {
-    cl_int code = clGetPlatformIDs(1, &d->platform, NULL);
-    if (code == CL_SUCCESS) code = clGetDeviceIDs(d->platform, CL_DEVICE_TYPE_ALL, 1, &d->device, NULL);
-    if (code == CL_SUCCESS) d->context = clCreateContext(NULL, 1, &d->device, NULL, NULL, &code);
-    if (code == CL_SUCCESS) d->queue = clCreateCommandQueue(d->context, d->device, 0, &code); /* in order */
-    if (code == CL_SUCCESS)
-        d->voxels = clCreateBuffer(d->context, CL_MEM_READ_ONLY, sizeof volume, NULL, &code);
+    sv_devices devices;
+    cl_int code = CL_SUCCESS;
+    if (!sv_devices_open(&devices, 0, &d->device, &d->context, &d->queue)) { /* in order */
+        fprintf(stderr, "queue_host: %s\n", devices.why);
+        return 0;
+    }
+    d->voxels = clCreateBuffer(d->context, CL_MEM_READ_ONLY, sizeof volume, NULL, &code);
     if (code == CL_SUCCESS)
         d->depth = clCreateBuffer(d->context, CL_MEM_READ_WRITE, sizeof depthmap, NULL, &code);
     if (code == CL_SUCCESS)

@@ -118,25 +118,15 @@ static inline void sva_cl_close(sva *a) {
     memset(cl, 0, sizeof *cl);
 }
 
-/* The host's device, or the first there is. */
+/* The host's device, or the one that smartvis/device.h finds. */
 static inline sv_status sva_cl_find_device(sva *a) {
     sva_cl *cl = (sva_cl *)a->own;
-    cl_platform_id platforms[8];
-    cl_uint count = 0;
-    cl_int code = CL_SUCCESS;
+    sv_devices devices;
     cl->context = a->format.context;
     cl->device = a->format.device;
     cl->queue = a->format.queue;
-    if (cl->queue) return SV_OK;
-    if (clGetPlatformIDs(8, platforms, &count) != CL_SUCCESS) count = 0;
-    for (cl_uint i = 0; i < count && i < 8 && !cl->device; i++)
-        if (clGetDeviceIDs(platforms[i], CL_DEVICE_TYPE_ALL, 1, &cl->device, NULL) != CL_SUCCESS)
-            cl->device = NULL;
-    if (!cl->device) return sva_error(a, SV_ERR_NO_DEVICE, "activate: no OpenCL device");
-    cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
-    if (code != CL_SUCCESS) return sva_cl_check(a, code, "clCreateContext");
-    cl->queue = clCreateCommandQueue(cl->context, cl->device, 0, &code);
-    return sva_cl_check(a, code, "clCreateCommandQueue");
+    if (cl->queue || sv_devices_open(&devices, 0, &cl->device, &cl->context, &cl->queue)) return SV_OK;
+    return sva_error(a, SV_ERR_NO_DEVICE, "activate: %s", devices.why);
 }
 
 /* Tells the host's log what the compiler said, cut to 4,000 characters, line by line; the first error is the

@@ -1,67 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * OpenCL's errors by name, and what a host may hand over as an object. A part of smartvis/author_cl.h; it
+ * OpenCL's errors, and what a host may hand over as an object. A part of smartvis/author_cl.h; it
  * needs <CL/cl.h> before it, and no more of the helper than a method has.
  */
 #ifndef SMARTVIS_AUTHOR_OBJECTS_H
 #define SMARTVIS_AUTHOR_OBJECTS_H
 
-#ifndef CL_VERSION_1_2
-#error "include <CL/cl.h> with CL_TARGET_OPENCL_VERSION 120 or later before smartvis/author_cl.h"
-#endif
-
 #include "smartvis/author_method.h"
+#include "smartvis/device.h"
 
 SMARTVIS_BEGIN_C
 
 /* The name of an OpenCL code, "CL_INVALID_VALUE". */
 static inline const char *sva_cl_name(cl_int code) {
-#define SVA_CL_NAME(code)                                                                                    \
-    case code:                                                                                               \
-        return #code
-    switch (code) {
-        SVA_CL_NAME(CL_DEVICE_NOT_FOUND);
-        SVA_CL_NAME(CL_DEVICE_NOT_AVAILABLE);
-        SVA_CL_NAME(CL_COMPILER_NOT_AVAILABLE);
-        SVA_CL_NAME(CL_MEM_OBJECT_ALLOCATION_FAILURE);
-        SVA_CL_NAME(CL_OUT_OF_RESOURCES);
-        SVA_CL_NAME(CL_OUT_OF_HOST_MEMORY);
-        SVA_CL_NAME(CL_PROFILING_INFO_NOT_AVAILABLE);
-        SVA_CL_NAME(CL_MEM_COPY_OVERLAP);
-        SVA_CL_NAME(CL_IMAGE_FORMAT_MISMATCH);
-        SVA_CL_NAME(CL_BUILD_PROGRAM_FAILURE);
-        SVA_CL_NAME(CL_INVALID_VALUE);
-        SVA_CL_NAME(CL_INVALID_DEVICE_TYPE);
-        SVA_CL_NAME(CL_INVALID_PLATFORM);
-        SVA_CL_NAME(CL_INVALID_DEVICE);
-        SVA_CL_NAME(CL_INVALID_CONTEXT);
-        SVA_CL_NAME(CL_INVALID_QUEUE_PROPERTIES);
-        SVA_CL_NAME(CL_INVALID_COMMAND_QUEUE);
-        SVA_CL_NAME(CL_INVALID_HOST_PTR);
-        SVA_CL_NAME(CL_INVALID_MEM_OBJECT);
-        SVA_CL_NAME(CL_INVALID_IMAGE_SIZE);
-        SVA_CL_NAME(CL_INVALID_BINARY);
-        SVA_CL_NAME(CL_INVALID_BUILD_OPTIONS);
-        SVA_CL_NAME(CL_INVALID_PROGRAM);
-        SVA_CL_NAME(CL_INVALID_PROGRAM_EXECUTABLE);
-        SVA_CL_NAME(CL_INVALID_KERNEL_NAME);
-        SVA_CL_NAME(CL_INVALID_KERNEL);
-        SVA_CL_NAME(CL_INVALID_ARG_INDEX);
-        SVA_CL_NAME(CL_INVALID_ARG_VALUE);
-        SVA_CL_NAME(CL_INVALID_ARG_SIZE);
-        SVA_CL_NAME(CL_INVALID_KERNEL_ARGS);
-        SVA_CL_NAME(CL_INVALID_WORK_GROUP_SIZE);
-        SVA_CL_NAME(CL_INVALID_WORK_ITEM_SIZE);
-        SVA_CL_NAME(CL_INVALID_GLOBAL_OFFSET);
-        SVA_CL_NAME(CL_INVALID_EVENT_WAIT_LIST);
-        SVA_CL_NAME(CL_INVALID_OPERATION);
-        SVA_CL_NAME(CL_INVALID_BUFFER_SIZE);
-    case -1001:
-        return "CL_PLATFORM_NOT_FOUND_KHR";
-    default:
-        return "unnamed OpenCL code";
-    }
-#undef SVA_CL_NAME
+    return sv_devices_code(code);
 }
 
 /* SV_OK, or SV_ERR_OPENCL with "what: CL_..., (code)". */

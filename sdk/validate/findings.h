@@ -25,6 +25,7 @@ typedef struct {
     v_verdict verdict;
     char text[1000]; /* printable */
     double seconds;
+    bool on_device; /* the check had the OpenCL device */
 } v_finding;
 
 /* True for what makes the validation fail. */

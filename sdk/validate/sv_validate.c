@@ -129,6 +129,8 @@ static bool v_run_check(const v_options *options, const v_check *check, bool wat
     if (ok && j->report.finished) {
         j->report.text[sizeof j->report.text - 1] = '\0';
         out->verdict = j->report.verdict <= V_FAIL ? j->report.verdict : V_FAIL;
+        out->on_device = j->report.on_device;
+        if (j->report.no_device) ok = hs_fail(err, HS_ERR_DEVICE, "%s: %s", check->id, j->report.text);
         keep_text(out, "%s%s", j->report.text, "");
     }
     out->seconds = hs_now() - start;
@@ -241,13 +243,14 @@ static void print_help(void) {
            "A check comes to: pass; warn (holds, and could be better); skip (does not apply: the plugin does "
            "not say\n"
            "that it can do that, or an earlier check failed); fail; crash; timeout.\n"
-           "The variable SMARTVIS_DEVICE (cpu, gpu) chooses the OpenCL device.\n"
+           "The variable SMARTVIS_DEVICE (cpu, gpu) narrows the choice of the OpenCL device.\n"
            "\n"
            "Exit codes:\n"
            "  0  nothing failed\n"
            "  1  a check failed, crashed or ran out of time\n"
            "  2  the command line is wrong\n"
            "  3  the library cannot be read\n"
+           "  5  a check needs an OpenCL device, and there is none\n"
            "  6  the results cannot be written\n"
            "  7  a process or memory could not be had\n");
 }
@@ -268,6 +271,19 @@ static bool parse(command *c, int argc, char **argv, bool *done, hs_error *err) 
     if (argc - next != 1)
         return hs_fail(err, HS_ERR_USAGE, argc == next ? "no library given" : "more than one library given");
     return hs_output_try(c->junit, err) && may_open_files(err) && find_library(c, argv[next], err);
+}
+
+/* False if checks had a device, and it refused what every one of them asked of it. */
+static bool device_worked(const v_finding *findings, size_t count, hs_error *err) {
+    const v_finding *refused = NULL;
+    for (size_t i = 0; i < count; i++) {
+        if (!findings[i].on_device) continue;
+        if (findings[i].verdict != V_SKIP) return true;
+        refused = &findings[i];
+    }
+    if (!refused) return true;
+    return hs_fail(err, HS_ERR_DEVICE, "no check could use the OpenCL device: %s: %s", refused->check->id,
+                   refused->text);
 }
 
 /* Runs what was asked for. Returns the exit code. */
@@ -299,7 +315,8 @@ static int validate(const command *c, hs_error *err) {
         (void)hs_fail(err, HS_ERR_OUTPUT, "standard output: cannot be written");
         return bad ? HS_ERR_FAILED : HS_ERR_OUTPUT; /* what was found is not hidden */
     }
-    return bad ? HS_ERR_FAILED : HS_OK;
+    if (bad) return HS_ERR_FAILED;
+    return device_worked(findings, count, err) ? HS_OK : (int)err->code;
 }
 
 int main(int argc, char **argv) {

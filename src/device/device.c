@@ -1,59 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "device/device.h"
 
-#include <stdlib.h>
+#include "smartvis/device.h"
+
 #include <string.h>
 
-enum { MAX_PLATFORMS = 16, MAX_DEVICES = 32, NAME_BYTES = 128 };
-
-/* ---- which device */
-
-typedef struct {
-    cl_device_id id[MAX_DEVICES];
-    uint32_t count;
-    cl_int code; /* the last error that says why there is none */
-} candidates;
-
-/* Adds the devices of a type on all platforms, those that are there already left out. */
-static void add_devices(candidates *c, cl_device_type type) {
-    cl_platform_id platforms[MAX_PLATFORMS];
-    cl_uint count = 0;
-    c->code = clGetPlatformIDs(MAX_PLATFORMS, platforms, &count);
-    if (c->code != CL_SUCCESS) return;
-    for (cl_uint i = 0; i < count && i < MAX_PLATFORMS; i++) {
-        cl_device_id found[MAX_DEVICES] = {NULL};
-        cl_uint more = 0;
-        const cl_int code = clGetDeviceIDs(platforms[i], type, MAX_DEVICES, found, &more);
-        if (code != CL_SUCCESS) c->code = code;
-        for (cl_uint n = 0; code == CL_SUCCESS && n < more && n < MAX_DEVICES; n++) {
-            uint32_t at = 0;
-            while (at < c->count && c->id[at] != found[n]) at++;
-            if (at == c->count && c->count < MAX_DEVICES) c->id[c->count++] = found[n];
-        }
-    }
-}
-
-/* The devices to try, in this order: GPUs, then all others; SMARTVIS_DEVICE narrows that. */
-static sv_status find_devices(sv_diag *diag, candidates *out) {
-    const char *wish = getenv("SMARTVIS_DEVICE"), *vendors = getenv("OCL_ICD_VENDORS");
-    const bool any = !wish || !*wish, cpu = !any && strcmp(wish, "cpu") == 0;
-    *out = (candidates){.code = CL_DEVICE_NOT_FOUND};
-    if (!any && !cpu && strcmp(wish, "gpu") != 0)
-        return sva_error(diag, SV_ERR_NO_DEVICE, "SMARTVIS_DEVICE is '%s', expected 'cpu' or 'gpu'", wish);
-    if (!cpu) add_devices(out, CL_DEVICE_TYPE_GPU);
-    if (cpu) add_devices(out, CL_DEVICE_TYPE_CPU);
-    if (any) add_devices(out, CL_DEVICE_TYPE_ALL);
-    if (out->count > 0) return SV_OK;
-    char places[200] = "";
-    if (vendors)
-        (void)snprintf(places, sizeof places, " OCL_ICD_VENDORS, where drivers are looked for, is '%.100s'.",
-                       vendors);
-    return sva_error(
-        diag, SV_ERR_NO_DEVICE,
-        "no OpenCL device%s%s: %s (%d).%s Install a driver (Debian: pocl-opencl-icd); with PoCL, check "
-        "that its cache directory (POCL_CACHE_DIR, else ~/.cache/pocl) can be written",
-        any ? "" : " for SMARTVIS_DEVICE=", any ? "" : wish, sva_cl_name(out->code), out->code, places);
-}
+enum { NAME_BYTES = 128 };
 
 /* Runtimes whose compiler is known to abort on these kernels, and the host with it. */
 static sv_status check_runtime(sv_diag *diag, cl_device_id device) {
@@ -130,9 +82,9 @@ sv_status sv_device_open(sv_diag *diag, cl_context context, cl_device_id device,
         if (status == SV_OK) status = check_runtime(diag, device);
         return status == SV_OK ? query_device(diag, out) : status;
     }
-    candidates all;
-    sv_status status = find_devices(diag, &all);
-    if (status != SV_OK) return status;
+    sv_devices all;
+    sv_status status = SV_OK;
+    if (sv_devices_find(&all) == 0) return sva_error(diag, SV_ERR_NO_DEVICE, "%s", all.why);
     for (uint32_t i = 0; i < all.count; i++) {
         status = open_own(diag, all.id[i], out);
         if (status == SV_OK || i + 1 == all.count) break;

@@ -23,8 +23,8 @@ typedef struct {
     sv_builds *builds;       /* what was compiled for it so far, or NULL: nothing is kept */
 } sv_device;
 
-/* Uses the host's objects, or, if all are NULL, opens the first GPU, else the first device, with an in-order
- * profiling queue. The environment variable SMARTVIS_DEVICE ("cpu" or "gpu") narrows that choice. */
+/* Uses the host's objects, or, if all are NULL, opens the first device of smartvis/device.h that works, with
+ * an in-order profiling queue. */
 sv_status sv_device_open(sv_diag *diag, cl_context context, cl_device_id device, cl_command_queue queue,
                          sv_device *out);
 

@@ -31,6 +31,8 @@ typedef enum {
 typedef struct {
     v_verdict verdict;
     bool finished;
+    bool on_device;  /* the check has opened the OpenCL device */
+    bool no_device;  /* it needed one, and there is none: says nothing about the plugin */
     char text[700];  /* what was found; "" if there is nothing to say */
     char where[200]; /* the call that is under way */
     char line[200];  /* the last that the plugin has logged */
@@ -55,6 +57,9 @@ typedef struct {
 /* Notes the finding and ends the check. */
 _Noreturn void v_fail(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
 _Noreturn void v_skip(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The check needs an OpenCL device and has none: the run ends, with this reason. */
+_Noreturn void v_no_device(v_run *run, const char *why);
 
 /* A judge tells the check: it fails by what is wrong. */
 rule_sink v_sink(v_run *run);
@@ -162,8 +167,7 @@ double v_param_random(const v_subject *s, const sv_param_info *info);
 double v_param_other(const sv_param_info *info);
 
 /* ---------------------------------------------------------------------------------------------- device -- */
-/* The first GPU, else the first device of any kind; SMARTVIS_DEVICE ("cpu", "gpu") narrows the choice. Skips
- * the check if there is none. */
+/* The device that smartvis/device.h finds; v_no_device if there is none. */
 void v_device_open(v_run *run, stage_device *d);
 void v_device_close(stage_device *d);
 

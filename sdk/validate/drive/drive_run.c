@@ -37,6 +37,11 @@ void v_skip(v_run *run, const char *format, ...) {
     longjmp(run->escape, 1);
 }
 
+void v_no_device(v_run *run, const char *why) {
+    run->report->no_device = true;
+    v_skip(run, "%s", why);
+}
+
 void v_warn(v_run *run, const char *format, ...) {
     va_list args;
     if (run->report->verdict == V_WARN) return;

@@ -2,36 +2,19 @@
 /* The device, volumes to try a plugin on, and the ways of handing them over. */
 #include "validate/drive/drive.h"
 
+#include "smartvis/device.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---------------------------------------------------------------------------------------------- device -- */
 
-enum { MAX_PLATFORMS = 16 };
-
-static cl_device_id first_of(cl_device_type type) {
-    cl_platform_id platforms[MAX_PLATFORMS];
-    cl_uint count = 0;
-    cl_device_id device = NULL;
-    if (clGetPlatformIDs(MAX_PLATFORMS, platforms, &count) != CL_SUCCESS) return NULL;
-    for (cl_uint i = 0; i < count && i < MAX_PLATFORMS && !device; i++)
-        if (clGetDeviceIDs(platforms[i], type, 1, &device, NULL) != CL_SUCCESS) device = NULL;
-    return device;
-}
-
 void v_device_open(v_run *run, stage_device *d) {
-    const char *wanted = getenv("SMARTVIS_DEVICE");
-    cl_int code = CL_SUCCESS;
-    memset(d, 0, sizeof *d);
+    sv_devices devices;
     v_where(run, "the validator's own OpenCL calls");
-    if (!wanted || strcmp(wanted, "cpu") != 0) d->device = first_of(CL_DEVICE_TYPE_GPU);
-    if (!d->device && wanted && strcmp(wanted, "cpu") == 0) d->device = first_of(CL_DEVICE_TYPE_CPU);
-    if (!d->device && !wanted) d->device = first_of(CL_DEVICE_TYPE_ALL);
-    if (!d->device) v_skip(run, "there is no OpenCL device");
-    d->context = clCreateContext(NULL, 1, &d->device, NULL, NULL, &code);
-    if (code == CL_SUCCESS) d->queue = clCreateCommandQueue(d->context, d->device, 0, &code);
-    if (code != CL_SUCCESS) v_skip(run, "the OpenCL device cannot be opened: %d", (int)code);
+    if (!sv_devices_open(&devices, 0, &d->device, &d->context, &d->queue)) v_no_device(run, devices.why);
+    run->report->on_device = true;
 }
 
 void v_device_close(stage_device *d) {

@@ -159,7 +159,7 @@ holds [ -s "$work/out/confidence.png" ]
 
 # ------------------------------------------------------------------------------ exit code 5: device
 export OCL_ICD_VENDORS=$work/no_drivers
-expect 5 "OCL_ICD_VENDORS, where drivers are looked for, is '$work/no_drivers'; " "${good[@]}"
+expect 5 "OCL_ICD_VENDORS, where drivers are looked for, is '$work/no_drivers'. Install a driver" "${good[@]}"
 unset OCL_ICD_VENDORS
 export SMARTVIS_DEVICE=abacus
 expect 5 "SMARTVIS_DEVICE is 'abacus', expected 'cpu' or 'gpu'" "${good[@]}"

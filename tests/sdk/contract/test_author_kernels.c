@@ -133,6 +133,17 @@ static int take_comma(char *folder) {
     return setlocale(LC_ALL, "comma") && strcmp(localeconv()->decimal_point, ",") == 0;
 }
 
+/* The device that smartvis/device.h finds, or its words. */
+static void a_device_that_is_not_there_is_told(void **state) {
+    wanted = "find";
+    place_args = 2;
+    assert_int_equal(setenv("SMARTVIS_DEVICE", "abacus", 1), 0);
+    assert_string_equal(run(&whole), "activate: SMARTVIS_DEVICE is 'abacus', expected 'cpu' or 'gpu'");
+    assert_int_equal(setenv("SMARTVIS_DEVICE", "", 1), 0);
+    assert_string_equal(run(&whole), "");
+    assert_int_equal(unsetenv("SMARTVIS_DEVICE"), 0);
+}
+
 static void a_comma_stays_outside(void **state) {
     rig *r = *state;
     char folder[] = "/tmp/sv_locale_XXXXXX", text[32], command[64];
@@ -162,4 +173,4 @@ static void a_comma_stays_outside(void **state) {
 }
 
 UNIT_MAIN_OF(NULL, NULL, cmocka_unit_test(a_line_left_out_is_named), cmocka_unit_test(kernels_are_named),
-             RIG_TEST(a_comma_stays_outside))
+             cmocka_unit_test(a_device_that_is_not_there_is_told), RIG_TEST(a_comma_stays_outside))

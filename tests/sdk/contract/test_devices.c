@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which device the plugin takes where the host gives none: device.c with an OpenCL of this test's own, which
- * has the devices that a case asks for.
+ * Which device is taken where the host gives none, by the plugin (device.c) and by all who ask
+ * smartvis/device.h to open one, with an OpenCL of this test's own: it has the devices that a case asks for.
  */
 #include <CL/cl.h>
 
@@ -71,7 +71,8 @@ static void keep(const sv_host *host, int32_t severity, const char *text) {
     (void)snprintf(logged + strlen(logged), sizeof logged - strlen(logged), "%s\n", text);
 }
 
-/* `taken`: index of the device, -1: none. `said`: in the log, or NULL: nothing was said. */
+/* `taken`: index of the device that the plugin takes, -1: none. `said`: in the log, or NULL: nothing was
+ * said. */
 static void takes(const fake *all, cl_uint count, const char *wish, int taken, const char *said) {
     static const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "test", "1", keep, NULL};
     sva a = {.host = &host};
@@ -86,25 +87,47 @@ static void takes(const fake *all, cl_uint count, const char *wish, int taken, c
     if (said ? !strstr(logged, said) : logged[0] != '\0') fail_msg("'%s' in '%s'", said ? said : "", logged);
 }
 
+/* The same, and who opens what smartvis/device.h finds comes to that device, or to the same words. */
+static void all_take(const fake *all, cl_uint count, const char *wish, int taken, const char *said) {
+    sv_devices devices;
+    cl_device_id device;
+    cl_context context;
+    cl_command_queue queue;
+    takes(all, count, wish, taken, said);
+    assert_int_equal(sv_devices_open(&devices, 0, &device, &context, &queue), taken >= 0);
+    assert_ptr_equal(device, taken < 0 ? NULL : &all[taken]);
+    assert_ptr_equal(context, device);
+    assert_ptr_equal(queue, device);
+    if (taken < 0 && !strstr(devices.why, said)) fail_msg("'%s' in '%s'", said, devices.why);
+}
+
 static void the_first_that_works(void **state) {
     static const fake two[] = {{"Maker", CL_DEVICE_TYPE_CPU, 0}, {"Other", CL_DEVICE_TYPE_GPU, 0}};
     static const fake broken[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1}, {"Other", CL_DEVICE_TYPE_CPU, 0}};
     static const fake none[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1}, {"Other", CL_DEVICE_TYPE_CPU, 1}};
+    static const fake others[] = {{"Maker", CL_DEVICE_TYPE_ACCELERATOR, 0},
+                                  {"Other", CL_DEVICE_TYPE_ACCELERATOR, 0},
+                                  {"Third", CL_DEVICE_TYPE_CPU, 0}};
     static const fake aborts[] = {{"rusticl", CL_DEVICE_TYPE_GPU, 0}, {"Other", CL_DEVICE_TYPE_CPU, 0}};
-    takes(two, 2, NULL, 1, NULL); /* a GPU comes first */
-    takes(two, 2, "gpu", 1, NULL);
-    takes(two, 2, "cpu", 0, NULL);
-    takes(two, 2, "abacus", -1, "SMARTVIS_DEVICE is 'abacus', expected 'cpu' or 'gpu'");
-    takes(two, 1, "gpu", -1, "no OpenCL device for SMARTVIS_DEVICE=gpu: CL_DEVICE_NOT_FOUND (-1)");
-    assert_int_equal(setenv("OCL_ICD_VENDORS", "/none", 1), 0);
-    takes(two, 0, NULL, -1,
-          "no OpenCL device: CL_PLATFORM_NOT_FOUND_KHR (-1001). OCL_ICD_VENDORS, where drivers are looked "
-          "for, is '/none'. Install a driver");
-    takes(broken, 2, NULL, 1, "the device 'the device of Maker' does not work; trying the next one");
-    takes(broken, 2, "gpu", -1, "clCreateContext: CL_OUT_OF_RESOURCES (-5)");
-    takes(none, 2, NULL, -1, "clCreateContext: CL_OUT_OF_RESOURCES (-5)");
     takes(aborts, 2, NULL, 1, "the OpenCL platform 'rusticl' ends its host while it compiles");
     takes(aborts, 1, NULL, -1, "take a device of another one");
+    all_take(two, 2, NULL, 1, NULL); /* a GPU comes first */
+    all_take(two, 2, "", 1, NULL);
+    all_take(others, 3, NULL, 2, NULL); /* and a CPU before what is neither */
+    all_take(others, 2, NULL, 0, NULL);
+    all_take(others, 2, "cpu", -1, "no OpenCL device for SMARTVIS_DEVICE=cpu: CL_DEVICE_NOT_FOUND (-1)");
+    all_take(two, 2, "gpu", 1, NULL);
+    all_take(two, 2, "cpu", 0, NULL);
+    all_take(two, 2, "abacus", -1, "SMARTVIS_DEVICE is 'abacus', expected 'cpu' or 'gpu'");
+    all_take(two, 1, "gpu", -1, "no OpenCL device for SMARTVIS_DEVICE=gpu: CL_DEVICE_NOT_FOUND (-1)");
+    assert_int_equal(setenv("OCL_ICD_VENDORS", "/none", 1), 0);
+    all_take(
+        two, 0, NULL, -1,
+        "no OpenCL platform: CL_PLATFORM_NOT_FOUND_KHR (-1001). OCL_ICD_VENDORS, where drivers are looked "
+        "for, is '/none'. Install a driver");
+    all_take(broken, 2, NULL, 1, "the device 'the device of Maker' does not work; trying the next one");
+    all_take(broken, 2, "gpu", -1, "clCreateContext: CL_OUT_OF_RESOURCES (-5)");
+    all_take(none, 2, NULL, -1, "clCreateContext: CL_OUT_OF_RESOURCES (-5)");
 }
 
 UNIT_MAIN(NULL, NULL, the_first_that_works)

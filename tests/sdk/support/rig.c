@@ -3,6 +3,7 @@
 
 #include "programs/shared_programs.h"
 
+#include "smartvis/device.h"
 #include "smartvis/lookup.h"
 #include <dlfcn.h>
 
@@ -22,13 +23,9 @@ static void keep_log(const sv_host *host, int32_t severity, const char *text) {
 }
 
 static void open_device(rig *r) {
-    cl_platform_id platform = NULL;
-    cl_int code = clGetPlatformIDs(1, &platform, NULL);
-    if (code == CL_SUCCESS) code = clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 1, &r->device, NULL);
-    if (code == CL_SUCCESS) r->context = clCreateContext(NULL, 1, &r->device, NULL, NULL, &code);
-    if (code == CL_SUCCESS)
-        r->queue = clCreateCommandQueue(r->context, r->device, CL_QUEUE_PROFILING_ENABLE, &code);
-    if (code != CL_SUCCESS) stop("OpenCL", "no device");
+    sv_devices devices;
+    if (!sv_devices_open(&devices, CL_QUEUE_PROFILING_ENABLE, &r->device, &r->context, &r->queue))
+        stop("OpenCL", devices.why);
     shared_programs_begin(r->context);
 }
 

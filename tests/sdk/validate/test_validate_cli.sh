@@ -48,6 +48,13 @@ expect 1 '^crash +first-frame .*left by exit\(0\); under way: end' "$build/wrong
 expect 1 '^crash +first-frame .*aborted; under way: slab' "$build/wrong/abort_in_slab.so"
 expect 1 '^timeout +first-frame .*ran out of time \(6\.0 s\); under way: end' --timeout 6 --junit "$work/hang.xml" "$build/wrong/hang_in_end.so"
 expect 1 '^skip +state-walk .*first-frame did not pass' "$build/wrong/crash_in_slab.so"
+# The device is the one that plugin and host take. Where there is none, that is told, and no run that could try nothing passes.
+blocks=$build/wrong/frame_blocks.so
+for wish in "" cpu; do SMARTVIS_DEVICE=$wish expect 1 '^fail +frame-path-opencl' --only frame-path-opencl "$blocks"; done
+SMARTVIS_DEVICE=gqu expect 5 "first-frame: SMARTVIS_DEVICE is 'gqu', expected 'cpu' or 'gpu'" --level 1 "$blocks"
+SMARTVIS_DEVICE=gqu expect 5 "SMARTVIS_DEVICE is 'gqu'" --json --in-process --only frame-path-opencl "$blocks"
+OCL_ICD_VENDORS=$work/none expect 5 "frame-path-opencl: no OpenCL platform: .* is '$work/none'" --only frame-path-opencl "$blocks"
+SMARTVIS_DEVICE=gqu expect 0 '1 pass' --only first-frame "$right" # it computes without one
 # A pipe that the caller left open, and that nobody reads: not the plugin's.
 mkfifo "$work/pipe"
 : < "$work/pipe" &
