@@ -37,7 +37,6 @@ fn main() {
         "smartvis/confidence",
         "smartvis/needs",
         "smartvis/points",
-        "smartvis/spline",
         "smartvis/timing",
     ];
     let headers = names.map(|name| include.join(name.to_string() + ".h"));

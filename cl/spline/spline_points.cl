@@ -46,7 +46,7 @@ __kernel void spline_list(uint width, uint padded_width, uint height, uint merge
                           uint stride, __global const float *restrict maps,
                           __global const real *restrict cells, __global real *restrict vectors,
                           __global uint *restrict info, __global const uint *restrict record) {
-    info[INFO_POINTS] = info[INFO_DROPPED] = info[INFO_RANK] = info[INFO_MERGED] = 0;
+    info[INFO_POINTS] = info[INFO_RANK] = 0;
     if (!surface_wanted(record)) return;
     const bool all = merge == 0 && record[SV_REC_POINTS] <= capacity;
     uint n = 0;
@@ -63,7 +63,6 @@ __kernel void spline_list(uint width, uint padded_width, uint height, uint merge
         put_point(vectors, stride, n++, cell[1] / count, cell[2] / count, cell[3] / count, cell[4] / count);
     }
     info[INFO_POINTS] = n;
-    info[INFO_MERGED] = all ? 0 : grid;
 }
 
 /* Means, scale and main axis of the points. */

@@ -12,9 +12,8 @@
 #define SV_SPLINE_SPAN  64 /* and columns */
 
 /* Sizes of the solver's buffers: vectors over the points, real numbers and whole numbers of a solution. */
-#define SV_SPLINE_VECTORS      16
-#define SV_SPLINE_FRAME_WORDS  40
-#define SV_SPLINE_INFO_WORDS   8
-#define SV_SPLINE_REPORT_WORDS 6
+#define SV_SPLINE_VECTORS     16
+#define SV_SPLINE_FRAME_WORDS 31
+#define SV_SPLINE_INFO_WORDS  2
 
 #endif

@@ -102,26 +102,20 @@ __kernel void spline_matrix(uint stride, float lambda, __global const real *rest
 /* One work item: the factor of panel `number`'s diagonal block. A pivot that is too small leaves
  * its unknown out. */
 __kernel void spline_diagonal(uint stride, uint number, __global real *restrict matrix,
-                              __global real *restrict frame, __global uint *restrict info) {
+                              __global real *restrict frame, __global const uint *restrict info) {
     const uint size = info[INFO_POINTS] - info[INFO_RANK];
     const uint first = number * SV_SPLINE_PANEL, end = min(first + SV_SPLINE_PANEL, size);
-    __global real *pivots = frame + FRAME_PIVOTS;
     if (info[INFO_POINTS] == 0 || first >= size) return;
     if (number == 0) {
         real largest = 0;
         for (uint i = 0; i < size; i++) largest = fmax(largest, matrix[(size_t)i * stride + i]);
-        pivots[0] = INFINITY;
-        pivots[1] = 0;
-        pivots[2] = largest * size * REAL_EPSILON;
+        frame[FRAME_PIVOT] = largest * size * REAL_EPSILON;
     }
     for (uint j = first; j < end; j++) {
         __global real *row_j = matrix + (size_t)j * stride;
         real pivot = row_j[j];
         for (uint k = first; k < j; k++) pivot -= row_j[k] * row_j[k];
-        const bool usable = pivot > pivots[2];
-        if (!usable) info[INFO_DROPPED]++;
-        pivots[0] = usable ? fmin(pivots[0], pivot) : pivots[0];
-        pivots[1] = usable ? fmax(pivots[1], pivot) : pivots[1];
+        const bool usable = pivot > frame[FRAME_PIVOT];
         row_j[j] = usable ? sqrt(pivot) : (real)INFINITY;
         for (uint i = j + 1; i < end; i++) {
             __global real *row_i = matrix + (size_t)i * stride;
@@ -226,12 +220,11 @@ __kernel void spline_rest(uint stride, float lambda, __global real *restrict vec
             vectors[(VECTOR_NEAR + z) * stride + i] - sums[z] - lambda * vectors[(VECTOR_W + z) * stride + i];
 }
 
-/* One work item: the plane, R a = Q1^T rest, and the residual. Q^T rest goes where Q^T z was. */
+/* One work item: the plane, R a = Q1^T rest. Q^T rest goes where Q^T z was. */
 __kernel void spline_plane(uint stride, __global real *restrict vectors, __global real *restrict frame,
                            __global const uint *restrict info) {
     const uint rank = info[INFO_RANK], n = info[INFO_POINTS];
     if (n == 0) return;
-    real worst = 0;
     for (uint z = 0; z < 2; z++) {
         __global real *rest = vectors + (VECTOR_REST + z) * stride;
         __global real *turned = vectors + (VECTOR_QZ + z) * stride;
@@ -244,13 +237,5 @@ __kernel void spline_plane(uint stride, __global real *restrict vectors, __globa
             solved[r] = sum / frame[FRAME_R + 3 * r + r];
         }
         for (uint c = 0; c < 3; c++) plane[c] = solved[c];
-        for (uint i = 0; i < n; i++) {
-            real error = rest[i] - plane[0];
-            for (uint c = 1; c < 3; c++)
-                error -= plane[c] *
-                         plane_term(frame, c, vectors[VECTOR_X * stride + i], vectors[VECTOR_Y * stride + i]);
-            worst = fmax(worst, fabs(error));
-        }
     }
-    frame[FRAME_RESIDUAL] = worst;
 }

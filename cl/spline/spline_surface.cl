@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Spline, last part: its values at the pixels, or at the nodes of a coarse grid and linear in between; and
- * what the host may ask of the solution. */
+/* Spline, last part: its values at the pixels, or at the nodes of a coarse grid and linear in between. */
 #ifndef SV_METHOD_SPLINE_CLH
 #include "spline/spline.clh"
 #endif
@@ -43,17 +42,4 @@ __kernel void spline_between(uint width, uint padded_width, uint height, uint gr
         surfaces[z * (size_t)padded_width * height + (size_t)y * padded_width + x] =
             above + fy * (below - above);
     }
-}
-
-/* One work item: points, grid, rank, unknowns left out, condition estimate, residual. */
-__kernel void spline_report(__global const real *restrict frame, __global const uint *restrict info,
-                            __global float *restrict report) {
-    const bool solved = info[INFO_POINTS] > info[INFO_RANK];
-    report[0] = (float)info[INFO_POINTS];
-    report[1] = (float)info[INFO_MERGED];
-    report[2] = (float)info[INFO_RANK];
-    report[3] = (float)info[INFO_DROPPED];
-    report[4] =
-        solved && frame[FRAME_PIVOTS + 1] > 0 ? (float)(frame[FRAME_PIVOTS + 1] / frame[FRAME_PIVOTS]) : 1.0f;
-    report[5] = info[INFO_POINTS] > 0 ? (float)frame[FRAME_RESIDUAL] : 0.0f;
 }

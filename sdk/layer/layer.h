@@ -21,7 +21,6 @@
 #include "smartvis/confidence.h"
 #include "smartvis/needs.h"
 #include "smartvis/points.h"
-#include "smartvis/spline.h"
 #include "smartvis/timing.h"
 
 #include <stdatomic.h>
@@ -61,12 +60,10 @@ typedef struct {
         confidence; /* what the host gets of an extension: the plugin's size, the layer's functions */
     sv_ext_needs needs;
     sv_ext_points points;
-    sv_ext_spline spline;
     sv_ext_timing timing;
     const sv_ext_confidence *inner_confidence; /* NULL: the plugin has none */
     const sv_ext_needs *inner_needs;
     const sv_ext_points *inner_points;
-    const sv_ext_spline *inner_spline;
     const sv_ext_timing *inner_timing;
 
     /* Belongs to the call under way. */

@@ -129,13 +129,6 @@ static sv_status SV_CALL ly_points_write(const sv_plugin *plugin, sv_points_repo
     return leave(&c, ASK(c, c.i->inner_points->write(c.i->inner, out)));
 }
 
-static sv_status SV_CALL ly_spline_report(const sv_plugin *plugin, sv_spline_report *out) {
-    call c = enter(plugin, "spline report");
-    need_state(&c, true);
-    need_report(&c, out ? &out->size : NULL);
-    return leave(&c, ASK(c, c.i->inner_spline->report(c.i->inner, out)));
-}
-
 static sv_status SV_CALL ly_timing_enable(const sv_plugin *plugin, uint32_t on) {
     call c = enter(plugin, "timing enable");
     need_state(&c, false);
@@ -169,7 +162,6 @@ static const void *SV_CALL ly_get_extension(const sv_plugin *plugin, const char 
     if (strcmp(id, SV_EXT_CONFIDENCE) == 0) return &i->confidence;
     if (strcmp(id, SV_EXT_NEEDS) == 0) return &i->needs;
     if (strcmp(id, SV_EXT_POINTS) == 0) return &i->points;
-    if (strcmp(id, SV_EXT_SPLINE) == 0) return &i->spline;
     if (strcmp(id, SV_EXT_TIMING) == 0) return &i->timing;
     ly_log(i, SV_LOG_INFO, "get_extension: the layer does not know \"%.60s\" and leaves it out", id);
     return NULL;
@@ -187,11 +179,9 @@ void ly_fill_extensions(ly_instance *i) {
     i->confidence = (sv_ext_confidence){0, 0, ly_confidence_read, ly_confidence_offered, ly_confidence_write};
     i->needs = (sv_ext_needs){0, 0, ly_needs_of};
     i->points = (sv_ext_points){0, 0, ly_points_write};
-    i->spline = (sv_ext_spline){0, 0, ly_spline_report};
     i->timing = (sv_ext_timing){0, 0, ly_timing_enable, ly_timing_stage_times};
     i->inner_confidence = find_table(i, SV_EXT_CONFIDENCE, &i->confidence, sizeof i->confidence);
     i->inner_needs = find_table(i, SV_EXT_NEEDS, &i->needs, sizeof i->needs);
     i->inner_points = find_table(i, SV_EXT_POINTS, &i->points, sizeof i->points);
-    i->inner_spline = find_table(i, SV_EXT_SPLINE, &i->spline, sizeof i->spline);
     i->inner_timing = find_table(i, SV_EXT_TIMING, &i->timing, sizeof i->timing);
 }

@@ -7,7 +7,6 @@
 #include "smartvis/confidence.h"
 #include "smartvis/needs.h"
 #include "smartvis/points.h"
-#include "smartvis/spline.h"
 #include "smartvis/timing.h"
 
 #include <string.h>
@@ -57,20 +56,6 @@ static sv_status points_write(const sv_plugin *plugin, sv_points_report *out) {
 }
 
 static const sv_ext_points ext_points = {.size = sizeof ext_points, .write = points_write};
-
-static sv_status spline_report(const sv_plugin *plugin, sv_spline_report *out) {
-    sva *a = sva_enter(plugin);
-    sv_instance *in = a->own;
-    if (!out) return sva_blame(a, SV_ERR_ARGUMENT, "spline: out is NULL");
-    if (out->size < sizeof *out)
-        return sva_blame(a, SV_ERR_SIZE, "spline: size is %u, expected at least %zu", out->size, sizeof *out);
-    sv_chain *chain = &in->pipeline.chain;
-    if (a->state != SVA_FINISHED || !chain->method->spline_report)
-        return sva_blame(a, SV_ERR_STATE, "spline: no finished frame with method spline");
-    return chain->method->spline_report(chain->map, &chain->state, out);
-}
-
-static const sv_ext_spline ext_spline = {.size = sizeof ext_spline, .report = spline_report};
 
 static sv_status confidence_ready(sva *a) {
     const sv_instance *in = a->own;
@@ -181,13 +166,12 @@ static sv_status needs_of(const sv_plugin *plugin, const sv_format *format, cons
 
 static const sv_ext_needs ext_needs = {.size = sizeof ext_needs, .of = needs_of};
 
-const char *const sv_extension_ids[] = {SV_EXT_TIMING,     SV_EXT_POINTS, SV_EXT_SPLINE,
-                                        SV_EXT_CONFIDENCE, SV_EXT_NEEDS,  NULL};
+const char *const sv_extension_ids[] = {SV_EXT_TIMING, SV_EXT_POINTS, SV_EXT_CONFIDENCE, SV_EXT_NEEDS, NULL};
 
 const void *sv_extension(const sva *author, const char *id) {
     (void)author; /* they are the same for all instances */
     /* The tables, in the order of sv_extension_ids. */
-    static const void *const tables[] = {&ext_timing, &ext_points, &ext_spline, &ext_confidence, &ext_needs};
+    static const void *const tables[] = {&ext_timing, &ext_points, &ext_confidence, &ext_needs};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         if (strcmp(id, sv_extension_ids[i]) == 0) return tables[i];
     return NULL;

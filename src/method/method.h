@@ -20,7 +20,6 @@
 #include "method/values.h"
 #include "ref/ref_method.h"
 #include "smartvis/confidence.h"
-#include "smartvis/spline.h"
 #include "sv_beams.h"
 
 #include <stdbool.h>
@@ -207,10 +206,9 @@ typedef struct {
      * it gives none. */
     cl_mem (*confidence)(const sv_method_state *state);
 
-    /* These wait, and read what is known of the last frame; or NULL. They fill what stands behind `size`. */
+    /* Waits, and reads what is known of the last frame, behind `size`; or NULL. */
     sv_status (*confidence_report)(const sv_map *map, const sv_method_state *state,
                                    sv_confidence_report *out);
-    sv_status (*spline_report)(const sv_map *map, const sv_method_state *state, sv_spline_report *out);
 } sv_method;
 
 #define SV_USES(NAME) (UINT64_C(1) << SV_PARAM_##NAME)

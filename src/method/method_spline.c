@@ -24,15 +24,14 @@ enum {
     K_REST,
     K_PLANE,
     K_NODES,
-    K_BETWEEN,
-    K_REPORT
+    K_BETWEEN
 };
-static const char *const kernels[] = {"spline_cells",    "spline_list",    "spline_frame",    "spline_kvt",
-                                      "spline_middle",   "spline_matrix",  "spline_diagonal", "spline_below",
-                                      "spline_trailing", "spline_back",    "spline_rest",     "spline_plane",
-                                      "spline_nodes",    "spline_between", "spline_report",   NULL};
+static const char *const kernels[] = {
+    "spline_cells",  "spline_list",     "spline_frame", "spline_kvt",      "spline_middle",
+    "spline_matrix", "spline_diagonal", "spline_below", "spline_trailing", "spline_back",
+    "spline_rest",   "spline_plane",    "spline_nodes", "spline_between",  NULL};
 
-enum { CELLS, VECTORS, FRAME, INFO, MATRIX, PANEL, NODES, REPORT };
+enum { CELLS, VECTORS, FRAME, INFO, MATRIX, PANEL, NODES };
 /* Points that float32 can solve for, and the grid that leaves no more. */
 enum { FLOAT_POINTS = 64, FLOAT_GRID = 8 };
 
@@ -80,8 +79,7 @@ static sv_status make_buffers(const sv_map *m, sv_method_state *s) {
                             [INFO] = SV_SPLINE_INFO_WORDS * sizeof(cl_uint),
                             [MATRIX] = stride * stride * real,
                             [PANEL] = SV_SPLINE_PANEL * stride * real,
-                            [NODES] = 2 * nodes * nodes * sizeof(cl_float),
-                            [REPORT] = SV_SPLINE_REPORT_WORDS * sizeof(cl_float)};
+                            [NODES] = 2 * nodes * nodes * sizeof(cl_float)};
     return sv_buffers_make(m->queue, bytes, sizeof bytes / sizeof *bytes, s->buffer);
 }
 
@@ -164,11 +162,7 @@ static sv_status solve(const sv_map *m, sv_method_state *s) {
         status = factor_panel(m, s, n);
     if (status == SV_OK) status = STEP(K_BACK, false, 2, MATRIX, VECTORS, FRAME, INFO);
     if (status == SV_OK) status = STEP(K_REST, true, s->capacity, VECTORS, FRAME, INFO);
-    if (status == SV_OK) status = STEP(K_PLANE, false, 1, VECTORS, FRAME, INFO);
-    if (status != SV_OK) return status;
-    sv_launch l = begin(m, s, K_REPORT);
-    BUFFERS(&l, s, FRAME, INFO, REPORT);
-    return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
+    return status == SV_OK ? STEP(K_PLANE, false, 1, VECTORS, FRAME, INFO) : status;
 }
 
 /* Values at the nodes, `out` being the surfaces themselves if every pixel is one. */
@@ -212,22 +206,6 @@ static uint32_t passes(const sv_map *m) {
     return 1;
 }
 
-/* Words of the report, in this order: points, cells per side of the merging grid (0: not merged), rank of the
- * plane, unknowns left out, condition estimate, residual in slices. */
-static sv_status spline_report(const sv_map *m, const sv_method_state *s, sv_spline_report *out) {
-    float r[SV_SPLINE_REPORT_WORDS];
-    const sv_status status =
-        sv_buffer_read(m->queue, s->buffer[REPORT], sizeof r, r, "spline: clEnqueueReadBuffer");
-    if (status != SV_OK) return status;
-    out->points = (uint32_t)r[0];
-    out->merge_grid = (uint32_t)r[1];
-    out->rank = (uint32_t)r[2];
-    out->dropped = (uint32_t)r[3];
-    out->condition = r[4];
-    out->residual = r[5];
-    return SV_OK;
-}
-
 const sv_method sv_method_spline = {.definition = &sv_ref_method_spline,
                                     .parameters = SV_USES_POINTS | SV_USES(LAMBDA) | SV_USES(MERGE_GRID) |
                                                   SV_USES(SPLINE_GRID) | SV_USES(PRECISION),
@@ -236,5 +214,4 @@ const sv_method sv_method_spline = {.definition = &sv_ref_method_spline,
                                     .source = source,
                                     .buffers = make_buffers,
                                     .run = run,
-                                    .passes = passes,
-                                    .spline_report = spline_report};
+                                    .passes = passes};

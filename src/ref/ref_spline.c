@@ -55,28 +55,6 @@ void sv_ref_solve(const double *a, uint32_t n, const uint32_t *pivots, double *b
     }
 }
 
-/* The convex function x -> |inverse x|_1 on the unit ball, climbed along its gradient: at most five steps. */
-double sv_ref_inverse_norm(const double *a, uint32_t n, const uint32_t *pivots, double *work) {
-    double *x = work, *signs = work + n, norm = 0.0;
-    for (uint32_t i = 0; i < n; i++) x[i] = 1.0 / n;
-    for (int step = 0; step < 5; step++) {
-        sv_ref_solve(a, n, pivots, x);
-        double sum = 0.0;
-        for (uint32_t i = 0; i < n; i++) {
-            sum += fabs(x[i]);
-            signs[i] = x[i] < 0.0 ? -1.0 : 1.0;
-        }
-        if (sum <= norm) return norm;
-        norm = sum;
-        sv_ref_solve(a, n, pivots, signs); /* symmetric: the transposed inverse is the inverse */
-        uint32_t best = 0;
-        for (uint32_t i = 1; i < n; i++)
-            if (fabs(signs[i]) > fabs(signs[best])) best = i;
-        for (uint32_t i = 0; i < n; i++) x[i] = i == best ? 1.0 : 0.0;
-    }
-    return norm;
-}
-
 double sv_ref_phi(double r_squared) {
     return r_squared > 0.0 ? 0.5 * r_squared * log(r_squared) : 0.0;
 }
@@ -125,17 +103,6 @@ static void fill_matrix(const sv_ref_spline *s, double lambda, double *m) {
     }
 }
 
-/* Largest column sum of magnitudes. */
-static double matrix_norm(const double *m, size_t size) {
-    double norm = 0.0;
-    for (size_t i = 0; i < size; i++) {
-        double sum = 0.0;
-        for (size_t j = 0; j < size; j++) sum += fabs(m[i * size + j]); /* symmetric */
-        norm = fmax(norm, sum);
-    }
-    return norm;
-}
-
 static double spline_at(const sv_ref_spline *s, double x, double y) {
     double sum = 0.0;
     for (uint32_t c = 0; c < s->rank; c++) sum += s->plane[c] * plane_term(s, c, x, y);
@@ -144,12 +111,6 @@ static double spline_at(const sv_ref_spline *s, double x, double y) {
         sum += s->w[i] * sv_ref_phi(dx * dx + dy * dy);
     }
     return sum;
-}
-
-static void measure_residual(sv_ref_spline *s, const double *z, double lambda) {
-    s->residual = 0.0;
-    for (uint32_t i = 0; i < s->count; i++)
-        s->residual = fmax(s->residual, fabs(spline_at(s, s->x[i], s->y[i]) + lambda * s->w[i] - z[i]));
 }
 
 bool sv_ref_spline_solve(const double *x, const double *y, const double *z, uint32_t count, double lambda,
@@ -164,21 +125,16 @@ bool sv_ref_spline_solve(const double *x, const double *y, const double *z, uint
     memcpy(out->y, y, count * sizeof *y);
     find_plane(out);
     const uint32_t size = count + out->rank;
-    double *m = malloc(((size_t)size * size + 4 * (size_t)size) * sizeof *m);
+    double *m = malloc(((size_t)size + 1) * size * sizeof *m);
     uint32_t *pivots = malloc(size * sizeof *pivots);
     if (m && pivots) {
         double *b = m + (size_t)size * size;
         fill_matrix(out, lambda, m);
-        const double norm = matrix_norm(m, size);
         out->singular = !sv_ref_factor(m, size, pivots);
         for (uint32_t i = 0; i < size; i++) b[i] = i < count ? z[i] : 0.0;
-        if (!out->singular) {
-            sv_ref_solve(m, size, pivots, b);
-            out->condition = norm * sv_ref_inverse_norm(m, size, pivots, b + size);
-        }
+        if (!out->singular) sv_ref_solve(m, size, pivots, b);
         memcpy(out->w, b, count * sizeof *b);
         for (uint32_t c = 0; c < out->rank; c++) out->plane[c] = b[count + c];
-        if (!out->singular) measure_residual(out, z, lambda);
     }
     const bool ok = m && pivots;
     free(m);

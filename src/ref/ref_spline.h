@@ -14,8 +14,6 @@
 bool sv_ref_factor(double *a, uint32_t n, uint32_t *pivots);
 /* Solves with the factors; b becomes the solution. */
 void sv_ref_solve(const double *a, uint32_t n, const uint32_t *pivots, double *b);
-/* Estimate of the inverse's 1-norm for a symmetric matrix (Hager's method). `work`: 3 n values. */
-double sv_ref_inverse_norm(const double *a, uint32_t n, const uint32_t *pivots, double *work);
 
 /* ---- the spline */
 
@@ -26,9 +24,7 @@ typedef struct {
     double *x, *y, *w;
     double mean_x, mean_y, axis_x, axis_y; /* the plane's coordinates: along and across the main axis */
     double plane[3];
-    double condition; /* estimate of the matrix' condition number in the 1-norm */
-    double residual;  /* largest error of Eq. 3.3 (with lambda) at a control point */
-    bool singular;    /* no solution: coincident points that were not merged */
+    bool singular; /* no solution: coincident points that were not merged */
 } sv_ref_spline;
 
 /* phi(r) = r^2 ln r, from r^2. */

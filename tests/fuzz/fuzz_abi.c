@@ -11,7 +11,6 @@
 #include "plugin/loader.h"
 #include "smartvis/confidence.h"
 #include "smartvis/points.h"
-#include "smartvis/spline.h"
 #include "smartvis/timing.h"
 #include "smartvis_plugin.h"
 
@@ -160,27 +159,25 @@ static void call_params(const machine *m, fuzz_bytes *b) {
 }
 
 static void call_extension(const machine *m, fuzz_bytes *b) {
-    static const char *const ids[] = {SV_EXT_POINTS, SV_EXT_SPLINE, SV_EXT_TIMING, SV_EXT_CONFIDENCE};
+    static const char *const ids[] = {SV_EXT_POINTS, SV_EXT_TIMING, SV_EXT_CONFIDENCE};
     char id[40];
     float map[RAYS];
     const sv_plugin *p = m->plugin;
     fuzz_take(b, id, sizeof id - 1);
     id[sizeof id - 1] = '\0';
     (void)p->get_extension(p, id);
-    const uint8_t which = fuzz_u8(b) % 4;
+    const uint8_t which = fuzz_u8(b) % 3;
     const void *table = p->get_extension(p, ids[which]);
     FUZZ_HOLDS(table);
     sv_points_report points = {.size = fuzz_u8(b) % (sizeof points + 1)};
-    sv_spline_report spline = {.size = fuzz_u8(b) % (sizeof spline + 1)};
     sv_stage_times times = {.size = fuzz_u8(b) % (sizeof times + 1)};
     sv_confidence_report report = {.size = fuzz_u8(b) % (sizeof report + 1)};
     if (which == 0) (void)checked(p, ((const sv_ext_points *)table)->write(p, &points));
-    if (which == 1) (void)checked(p, ((const sv_ext_spline *)table)->report(p, &spline));
-    if (which == 2) {
+    if (which == 1) {
         (void)checked(p, ((const sv_ext_timing *)table)->enable(p, fuzz_u8(b)));
         (void)checked(p, ((const sv_ext_timing *)table)->stage_times(p, &times));
     }
-    if (which == 3) {
+    if (which == 2) {
         const sv_ext_confidence *confidence = table;
         (void)checked(p, confidence->read(p, fuzz_u8(b) & 1 ? map : NULL, fuzz_u8(b) & 1 ? &report : NULL));
         (void)checked(p, confidence->write(p, fuzz_u8(b) & 1 ? map : NULL, NULL, fuzz_u64(b)));

@@ -27,4 +27,4 @@ macro_rules! sized {
 }
 
 sized!(sv_host sv_param_info sv_format sv_frame sv_slab sv_stats sv_result sv_confidence_report sv_needs_device sv_needs
-       sv_points_report sv_spline_report sv_stage_times);
+       sv_points_report sv_stage_times);

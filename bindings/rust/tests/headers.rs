@@ -58,7 +58,6 @@ fn texts() -> Vec<(&'static str, &'static str)> {
         ("SV_EXT_CONFIDENCE", abi::SV_EXT_CONFIDENCE),
         ("SV_EXT_NEEDS", abi::SV_EXT_NEEDS),
         ("SV_EXT_POINTS", abi::SV_EXT_POINTS),
-        ("SV_EXT_SPLINE", abi::SV_EXT_SPLINE),
         ("SV_EXT_TIMING", abi::SV_EXT_TIMING),
     ];
     all.iter().map(|(name, value)| (*name, value.to_str().unwrap())).collect()

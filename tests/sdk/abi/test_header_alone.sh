@@ -72,7 +72,7 @@ fi
 
 # Implicit padding would hide a field appended later: SV_HAS could not tell the old struct from the new one.
 if command -v gcc > /dev/null; then
-    for file in use timing points spline confidence; do compile gcc "$file.c" -std=c99 -Wpadded; done
+    for file in use timing points needs confidence; do compile gcc "$file.c" -std=c99 -Wpadded; done
 fi
 
 # It includes <stdint.h> and <stddef.h> and needs nothing else before it.

@@ -9,7 +9,7 @@ static uint32_t held[SV_METHOD_END]; /* chains of a method that were held to its
 static void check(rig *r, const surface_points *points, const surface_chain *chain, double bound,
                   const char *what) {
     rig_result out;
-    const double error = surface_try(r, points, chain, NULL, &out, NULL);
+    const double error = surface_try(r, points, chain, NULL, &out);
     surface_check_points(&out, points, chain->method);
     print_message("%-9s %-34s %4u x %-4u error %.2e slices, bound %.0e\n", surface_name(chain->method), what,
                   points->width, points->height, error, bound);

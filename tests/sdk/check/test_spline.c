@@ -69,74 +69,53 @@ static void test_lapack(void **state) {
         for (double lambda = 0.0; lambda <= 50.0; lambda += 50.0) {
             surface_points p = hill(128, 96, counts[i], 9 + (uint32_t)i);
             const surface_chain chain = {.method = SV_METHOD_SPLINE, .lambda = lambda};
-            sv_spline_report report;
             const double *expected = lapack_surface(&p, counts[i], lambda);
-            const double error = surface_try(*state, &p, &chain, expected, NULL, &report);
-            print_message("%4u points, lambda %2.0f: error against LAPACK %.2e slices, residual %.1e, pivot "
-                          "ratio %.1e\n",
-                          counts[i], lambda, error, (double)report.residual, (double)report.condition);
+            const double error = surface_try(*state, &p, &chain, expected, NULL);
+            print_message("%4u points, lambda %2.0f: error against LAPACK %.2e slices\n", counts[i], lambda,
+                          error);
             assert_true(error <= BOUND);
-            assert_int_equal(report.points, counts[i]);
-            assert_int_equal(report.merge_grid, 0);
-            assert_int_equal(report.rank, 3);
-            assert_int_equal(report.dropped, 0);
-            assert_true((double)report.residual <= 1e-6);
         }
 }
 
-/* The reference solver itself against LAPACK, and its condition estimate against LAPACK's. */
+/* The reference solver itself against LAPACK. */
 static void test_reference_solver(void **state) {
     enum { N = 60 };
-    static double a[N * N], lu[N * N], b[N], x[N], work[3 * N];
+    static double a[N * N], lu[N * N], b[N], x[N];
     static uint32_t pivots[N];
     static lapack_int order[N];
     uint32_t random = 4711;
-    double norm = 0.0;
     for (int i = 0; i < N; i++)
         for (int j = 0; j <= i; j++) a[i * N + j] = a[j * N + i] = unit_random(&random) / 4294967296.0 - 0.5;
     for (int i = 0; i < N; i++) {
-        double sum = 0.0;
         a[i * N + i] = 0.0; /* what LU without pivoting cannot begin with */
-        for (int j = 0; j < N; j++) sum += fabs(a[i * N + j]);
-        norm = fmax(norm, sum);
         b[i] = x[i] = i % 7 - 3.0;
     }
     for (int i = 0; i < N * N; i++) lu[i] = a[i];
     assert_true(sv_ref_factor(lu, N, pivots));
     sv_ref_solve(lu, N, pivots, x);
-    const double estimate = norm * sv_ref_inverse_norm(lu, N, pivots, work);
     assert_int_equal(LAPACKE_dgetrf(LAPACK_ROW_MAJOR, N, N, a, N, order), 0);
-    double reciprocal = 0.0;
-    assert_int_equal(LAPACKE_dgecon(LAPACK_ROW_MAJOR, '1', N, a, N, norm, &reciprocal), 0);
     assert_int_equal(LAPACKE_dgetrs(LAPACK_ROW_MAJOR, 'N', N, 1, a, N, order, b, 1), 0);
     for (int i = 0; i < N; i++) assert_true(fabs(x[i] - b[i]) <= 1e-10);
-    assert_true(estimate >= 0.3 / reciprocal && estimate <= 3.0 / reciprocal); /* both are estimates */
     static double singular[4] = {1.0, 2.0, 2.0, 4.0};
     assert_false(sv_ref_factor(singular, 2, pivots));
 }
 
-/* The solver in float32 (parameter precision; the only way on devices without float64) merges to 64 points,
- * also where it is asked for all. What is left of its accuracy, against the same definition. */
+/* The solver in float32 (parameter precision; the only way on devices without float64) merges on 8 x 8 cells,
+ * also where it is asked for all points. What is left of its accuracy, against the same definition. */
 static void check_float32(rig *r, const surface_points *p, uint32_t merge, double bound, const char *what) {
     const surface_chain chain = {
         .method = SV_METHOD_SPLINE, .float32 = true, .merge_grid = merge, .q = 0.25f};
-    sv_spline_report report;
-    const double error = surface_try(r, p, &chain, NULL, NULL, &report);
+    const surface_chain merged = {.method = SV_METHOD_SPLINE, .merge_grid = 8, .q = 0.25f};
+    const double error = surface_try(r, p, &chain, surface_expect(p, &merged), NULL);
     print_message("float32, %-24s error %.2e slices, bound %.0e\n", what, error, bound);
     assert_true(error <= bound);
-    assert_true(report.points <= 64);
-    if (merge == 0) assert_int_equal(report.merge_grid, 8);
 }
 
-/* A degenerate set: a surface that meets the definition, and the rank that was found. */
-static void check_rank(rig *r, const surface_points *p, uint32_t rank, const char *what) {
+/* A degenerate set: a surface that meets the definition. */
+static void check_set(rig *r, const surface_points *p, const char *what) {
     const surface_chain chain = {.method = SV_METHOD_SPLINE};
-    sv_spline_report report;
-    const double error = surface_try(r, p, &chain, NULL, NULL, &report);
-    print_message("%-28s %4u points, rank %u, error %.2e slices, residual %.1e\n", what, report.points,
-                  report.rank, error, (double)report.residual);
-    assert_int_equal(report.rank, rank);
-    assert_int_equal(report.dropped, 0);
+    const double error = surface_try(r, p, &chain, NULL, NULL);
+    print_message("%-28s error %.2e slices\n", what, error);
     assert_true(error <= BOUND);
     check_float32(r, p, 8, 1e-2, what);
 }
@@ -155,23 +134,20 @@ static void test_degenerate(void **state) {
     }
     for (uint32_t y = 0; y < 12; y++) /* Figure 5.1: clusters of unlike depths, side by side */
         for (uint32_t x = 0; x < 24; x++) surface_put(&clump, 10 + x, 12 + y, 2, x < 12 ? 15 : 45);
-    check_rank(*state, &one, 1, "one point");
-    check_rank(*state, &two, 2, "two points");
-    check_rank(*state, &row, 2, "collinear, level");
-    check_rank(*state, &slant, 2, "collinear, slanting");
-    check_rank(*state, &nearly, 3, "collinear but for one pixel");
-    check_rank(*state, &clump, 3, "two unlike clusters");
+    check_set(*state, &one, "one point");
+    check_set(*state, &two, "two points");
+    check_set(*state, &row, "collinear, level");
+    check_set(*state, &slant, "collinear, slanting");
+    check_set(*state, &nearly, "collinear but for one pixel");
+    check_set(*state, &clump, "two unlike clusters");
 }
 
-/* More points than the solver takes: merged, and said so. */
+/* More points than the solver takes are merged, as the definition does it. */
 static void test_too_many(void **state) {
     surface_points p = hill(90, 80, 1401, 77);
     const surface_chain chain = {.method = SV_METHOD_SPLINE};
-    sv_spline_report report;
-    assert_true(surface_try(*state, &p, &chain, NULL, NULL, &report) <= BOUND);
-    assert_int_equal(report.merge_grid, 37);
-    assert_in_range(report.points, 700, 1369);
-    check_float32(*state, &p, 0, INFINITY, "merged unasked");
+    assert_true(surface_try(*state, &p, &chain, NULL, NULL) <= BOUND);
+    check_float32(*state, &p, 0, 1e-2, "merged unasked");
 }
 
 /* The coarse grid costs what bilinear interpolation costs: against the spline itself, on the hill above. */
@@ -182,7 +158,7 @@ static void test_coarse_grid(void **state) {
     double before = INFINITY;
     for (uint32_t grid = 16; grid <= 64; grid *= 2) {
         const surface_chain coarse = {.method = SV_METHOD_SPLINE, .merge_grid = 8, .spline_grid = grid};
-        const double error = surface_try(*state, &p, &coarse, expected, NULL, NULL);
+        const double error = surface_try(*state, &p, &coarse, expected, NULL);
         print_message("coarse grid %2u: error %.3f slices\n", grid, error);
         assert_true(error < 0.5 * before); /* second order: twice as fine, a quarter of the error or so */
         if (grid == 32) assert_true(error <= 0.3); /* docs/numerics.md */
@@ -212,7 +188,7 @@ static void check_grids(rig *r, const surface_points *p, const char *what) {
     assert_true(sv_ref_spline_solve(x, x + count, x + 2 * count, n, 0.0, &spline));
     for (uint32_t grid = 16; grid <= 64; grid *= 2) {
         const surface_chain coarse = {.method = SV_METHOD_SPLINE, .merge_grid = 8, .spline_grid = grid};
-        const double error = surface_try(r, p, &coarse, expected, NULL, NULL);
+        const double error = surface_try(r, p, &coarse, expected, NULL);
         const double bound = grid_bound(p, &spline, grid);
         print_message("coarse grid %2u, %-9s %3u x %-3u error %.3f slices, bound %.2f\n", grid, what,
                       p->width, p->height, error, bound);
@@ -234,26 +210,5 @@ static void test_coarse_grid_anywhere(void **state) {
     }
 }
 
-/* The extension refuses what the header says it refuses, and fills no more than it was given. */
-static void test_extension(void **state) {
-    rig *r = *state;
-    const sv_plugin *p = r->plugin;
-    const sv_ext_spline *spline = p->get_extension(p, SV_EXT_SPLINE);
-    assert_non_null(spline);
-    assert_null(p->get_extension(p, SV_EXT_SPLINE "0"));
-    sv_spline_report report = {.size = sizeof report, .points = 4711};
-    assert_int_equal(spline->report(p, NULL), SV_ERR_ARGUMENT);
-    assert_int_equal(spline->report(p, &report), SV_ERR_STATE); /* not active */
-    report.size--;
-    assert_int_equal(spline->report(p, &report), SV_ERR_SIZE);
-    assert_int_equal(report.points, 4711);
-    surface_points none = surface_points_make(20, 20, 30);
-    const surface_chain chain = {.method = SV_METHOD_SPLINE};
-    rig_result out = rig_result_make(20, 20);
-    assert_int_equal(surface_run(r, &none, &chain, &out, &report), SV_NO_SURFACE);
-    assert_int_equal(report.points, 0);
-    assert_true(report.residual == 0.0f && report.condition == 1.0f);
-}
-
 UNIT_MAIN(rig_setup, rig_teardown, test_lapack, test_reference_solver, test_degenerate, test_too_many,
-          test_coarse_grid, test_extension, test_coarse_grid_anywhere)
+          test_coarse_grid, test_coarse_grid_anywhere)

@@ -9,7 +9,6 @@
 #include "smartvis/confidence.h"
 #include "smartvis/needs.h"
 #include "smartvis/points.h"
-#include "smartvis/spline.h"
 #include "smartvis/timing.h"
 #include "support/layer_fixture.h"
 #include "support/unit.h"
@@ -191,11 +190,9 @@ static void careless_extension(careless *c) {
     const sv_plugin *p = c->s->p;
     const sv_ext_confidence *confidence = p->get_extension(p, SV_EXT_CONFIDENCE);
     const sv_ext_points *points = p->get_extension(p, SV_EXT_POINTS);
-    const sv_ext_spline *spline = p->get_extension(p, SV_EXT_SPLINE);
     const sv_ext_timing *timing = p->get_extension(p, SV_EXT_TIMING);
     sv_confidence_report report = {.size = below(c, 3) ? sizeof report : 2};
     sv_points_report found = {.size = below(c, 3) ? sizeof found : 1};
-    sv_spline_report bent = {.size = below(c, 3) ? sizeof bent : 3};
     sv_stage_times times = {.size = below(c, 3) ? sizeof times : 0};
     const bool null = below(c, 4) == 0;
     const uint32_t which = below(c, 6);
@@ -203,8 +200,7 @@ static void careless_extension(careless *c) {
     if (confidence && which == 1) (void)confidence->offered(p);
     if (confidence && which == 2) (void)confidence->write(p, null ? NULL : c->s->depth, NULL, 0);
     if (points && which == 3) (void)points->write(p, null ? NULL : &found);
-    if (spline && which == 4) (void)spline->report(p, null ? NULL : &bent);
-    if (timing && which == 5) (void)timing->stage_times(p, null ? NULL : &times);
+    if (timing && which == 4) (void)timing->stage_times(p, null ? NULL : &times);
     if (timing && which == 5) (void)timing->enable(p, 0);
     if (c->s->cl.queue) (void)clFinish(c->s->cl.queue);
 }
@@ -324,14 +320,14 @@ static int rule_of(const char *id) {
     return n;
 }
 
-static void look_at(int n, sight *seen) {
+static void look_at(int n, uint32_t seed, sight *seen) {
     char path[64];
     (void)signal(SIGSEGV, SIG_DFL); /* not cmocka's */
     (void)alarm(60);
     const int name = rule_of(wrong_ones[n].check);
     const bool queue = strcmp(wrong_ones[n].source, "opencl") == 0;
     (void)snprintf(path, sizeof path, "wrong/%s", wrong_ones[n].id);
-    careless *c = open_host(path, 3, queue);
+    careless *c = open_host(path, seed, queue);
     c->last = seen->last;
     for (uint32_t k = 0; k < 3000 && c->s->p && !c->named[name]; k++) stumble(c);
     seen->named = c->named[name];
@@ -343,20 +339,28 @@ static bool is_told(const sight *seen, int status) {
     return seen->named || (status != 0 && strstr(seen->last, "the plugin owes")); /* a sanitizer exits */
 }
 
+/* What was said before often is said seldom, so a plugin may die of the hundredth mistake unnamed: there is
+ * another host for that. */
+static bool is_found(int n, sight *seen) {
+    for (uint32_t seed = 3; seed < 5; seed++) {
+        int status = 0;
+        *seen = (sight){0};
+        const pid_t child = fork();
+        if (child == 0) look_at(n, seed, seen);
+        assert_int_equal(waitpid(child, &status, 0), child);
+        if (is_told(seen, status)) return true;
+    }
+    return false;
+}
+
 static void what_a_careless_host_finds_is_named(void **state) {
     int bad = 0, tried = 0;
     sight *seen = mmap(NULL, sizeof *seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     for (int n = 0; n < WRONG_COUNT; n++) {
-        int status = 0;
         if (!rules[rule_of(wrong_ones[n].check)].seen || is_untold(wrong_ones[n].id)) continue;
-        *seen = (sight){0};
-        const pid_t child = fork();
-        if (child == 0) look_at(n, seen);
-        assert_int_equal(waitpid(child, &status, 0), child);
         tried++;
-        if (is_told(seen, status)) continue;
-        print_error("%s: %s is not named; status 0x%x; %s\n", wrong_ones[n].id, wrong_ones[n].check, status,
-                    seen->last);
+        if (is_found(n, seen)) continue;
+        print_error("%s: %s is not named; %s\n", wrong_ones[n].id, wrong_ones[n].check, seen->last);
         bad++;
     }
     (void)munmap(seen, sizeof *seen);

@@ -96,8 +96,7 @@ rig_format surface_format(const rig *r, const surface_points *points, const surf
                                   {rig_param(r, "strategy"), 0, chain->strategy}}};
 }
 
-sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
-                      sv_spline_report *report) {
+sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out) {
     const sv_param_value values[] = {
         {rig_param(r, "bone_mode"), 0, SV_REF_ABSOLUTE}, /* a volume without bone must not make its own */
         {rig_param(r, "evidence"), 0, 0.0},              /* a point or two shall do */
@@ -113,12 +112,6 @@ sv_status surface_run(rig *r, const surface_points *points, const surface_chain 
     sv_status status = r->plugin->activate(r->plugin, &t->format);
     if (status != SV_OK) return status;
     status = rig_frame(r, t, values, sizeof values / sizeof *values, out);
-    if (status >= 0 && report && chain->method == SV_METHOD_SPLINE) {
-        const sv_ext_spline *spline = r->plugin->get_extension(r->plugin, SV_EXT_SPLINE);
-        *report = (sv_spline_report){.size = sizeof *report};
-        const sv_status read = spline->report(r->plugin, report);
-        if (read != SV_OK) status = read;
-    }
     r->plugin->deactivate(r->plugin);
     unit_return(mark);
     return status;
@@ -169,9 +162,9 @@ double surface_error(const rig_result *out, const double *expected, size_t count
 }
 
 double surface_try(rig *r, const surface_points *points, const surface_chain *chain, const double *expected,
-                   rig_result *out, sv_spline_report *report) {
+                   rig_result *out) {
     rig_result made = rig_result_make(points->width, points->height);
-    const sv_status status = surface_run(r, points, chain, &made, report);
+    const sv_status status = surface_run(r, points, chain, &made);
     if (status != SV_OK) fail_msg("%s: status %d: %s", surface_name(chain->method), status, r->last_log);
     if (!expected) expected = surface_expect(points, chain);
     if (out) *out = made;

@@ -3,7 +3,6 @@
  * says. */
 #pragma once
 
-#include "smartvis/spline.h"
 #include "support/rig.h"
 
 #include "method_list.h"
@@ -51,9 +50,8 @@ uint8_t *surface_volume(const surface_points *points);
 /* That volume in one slab of host memory, and what the chain tells activate. */
 rig_format surface_format(const rig *r, const surface_points *points, const surface_chain *chain);
 
-/* A frame on the host's queue; `report` (may be NULL) is filled for splines. */
-sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out,
-                      sv_spline_report *report);
+/* A frame on the host's queue. */
+sv_status surface_run(rig *r, const surface_points *points, const surface_chain *chain, rig_result *out);
 
 /* The surface by definition, in float64. */
 double *surface_expect(const surface_points *points, const surface_chain *chain);
@@ -62,9 +60,9 @@ double *surface_expect(const surface_points *points, const surface_chain *chain)
 double surface_error(const rig_result *out, const double *expected, size_t count);
 
 /* A frame of the chain, which must succeed: its error against `expected`, or, if that is NULL, against the
- * definition. `out`, `report` may be NULL. */
+ * definition. `out` may be NULL. */
 double surface_try(rig *r, const surface_points *points, const surface_chain *chain, const double *expected,
-                   rig_result *out, sv_spline_report *report);
+                   rig_result *out);
 
 /* Fails unless statistics and status map name the points that there are: none with method wall, which looks
  * for none. */
