@@ -39,6 +39,7 @@ typedef enum {
     HS_GUARD_TIME,            /* number: on or off */
     HS_GUARD_TIMES,           /* times */
     HS_GUARD_READ_CONFIDENCE, /* confidence of the last frame, read in a [control] call */
+    HS_GUARD_NEEDS,           /* needs */
     HS_GUARD_CLOSE            /* destroy, and the end of the child */
 } hs_guard_op;
 
@@ -55,7 +56,12 @@ typedef struct {
 enum { HS_GUARD_POINTS = 1u << 0, HS_GUARD_CONFIDENCE = 1u << 1 };
 
 /* Extensions that the instance has. */
-enum { HS_GUARD_HAS_TIMING = 1u << 0, HS_GUARD_HAS_CONFIDENCE = 1u << 1, HS_GUARD_HAS_POINTS = 1u << 2 };
+enum {
+    HS_GUARD_HAS_TIMING = 1u << 0,
+    HS_GUARD_HAS_CONFIDENCE = 1u << 1,
+    HS_GUARD_HAS_POINTS = 1u << 2,
+    HS_GUARD_HAS_NEEDS = 1u << 3
+};
 
 /* A descriptor with its texts beside it: its own pointers mean nothing on the other side. */
 typedef struct {
@@ -88,6 +94,15 @@ typedef struct {
     uint32_t first_slice, slice_count;
     uint64_t offset, bytes;
 } hs_guard_slab;
+
+/* A question of smartvis.needs/1: pointers are NULL, but for host_memory's, which leads nowhere. */
+typedef struct {
+    sv_format format;
+    uint32_t value_count;
+    sv_param_value fixed[HS_GUARD_MAX_VALUES], values[HS_GUARD_MAX_VALUES];
+    sv_needs_device device;
+    sv_needs out;
+} hs_guard_needs;
 
 typedef struct {
     /* The call under way, for the sentence that tells how a child ended. `since_ns` is read while it runs. */
@@ -129,6 +144,7 @@ typedef struct {
     char text[256];
     sv_stage_times times;
     sv_confidence_report confidence_report;
+    hs_guard_needs needs;
 } hs_guard_block;
 
 /* The maps behind the block, in this order; as many pixels as the format has. */

@@ -284,6 +284,30 @@ static sv_status timing_stage_times(const sv_plugin *plugin, sv_stage_times *out
     return status;
 }
 
+/* --------------------------------------------------------------------------------------------- needs -- */
+
+static sv_status needs_of(const sv_plugin *plugin, const sv_format *format, const sv_param_value *values,
+                          uint32_t count, const sv_needs_device *device, sv_needs *out) {
+    hs_guard *guard = hs_guard_of(plugin);
+    hs_guard_needs *needs = &guard->block->needs;
+    if (!guard->child.process) return hs_guard_refuse(guard, SV_ERR_STATE, "needs", "there is no process");
+    if (format->value_count > HS_GUARD_MAX_VALUES || count > HS_GUARD_MAX_VALUES)
+        return hs_guard_refuse(guard, SV_ERR_ARGUMENT, "needs", "more values than the guard takes");
+    needs->format = *format;
+    needs->format.values = NULL;
+    needs->format.context = NULL;
+    needs->format.device = NULL;
+    needs->format.queue = NULL;
+    needs->value_count = count;
+    if (format->value_count) memcpy(needs->fixed, format->values, format->value_count * sizeof *needs->fixed);
+    if (count) memcpy(needs->values, values, count * sizeof *needs->values);
+    needs->device = *device;
+    const sv_status status = hs_guard_ask(guard, HS_GUARD_NEEDS, guard->options.frame_s);
+    const sv_needs told = needs->out;
+    if (status == SV_OK) give(out, out->size, &told, sizeof told);
+    return status;
+}
+
 const void *hs_guarded_extension(const sv_plugin *plugin, const char *id) {
     static const sv_ext_timing timing = {
         .size = sizeof timing, .enable = timing_enable, .stage_times = timing_stage_times};
@@ -292,13 +316,15 @@ const void *hs_guarded_extension(const sv_plugin *plugin, const char *id) {
                                                  .read = confidence_read,
                                                  .offered = confidence_offered,
                                                  .write = confidence_write};
+    static const sv_ext_needs needs = {.size = sizeof needs, .of = needs_of};
     const struct {
         const char *id;
         uint32_t bit;
         const void *table;
     } known[] = {{SV_EXT_TIMING, HS_GUARD_HAS_TIMING, &timing},
                  {SV_EXT_POINTS, HS_GUARD_HAS_POINTS, &points},
-                 {SV_EXT_CONFIDENCE, HS_GUARD_HAS_CONFIDENCE, &confidence}};
+                 {SV_EXT_CONFIDENCE, HS_GUARD_HAS_CONFIDENCE, &confidence},
+                 {SV_EXT_NEEDS, HS_GUARD_HAS_NEEDS, &needs}};
     const uint32_t has = hs_guard_of(plugin)->facts.extensions;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (strcmp(id, known[i].id) == 0) return has & known[i].bit ? known[i].table : NULL;

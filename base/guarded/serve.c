@@ -78,7 +78,8 @@ static uint32_t find_extensions(const sv_plugin *instance) {
     const sv_ext_points *points = instance->get_extension(instance, SV_EXT_POINTS);
     return (hs_plugin_timing(instance) ? HS_GUARD_HAS_TIMING : 0u) |
            (hs_plugin_confidence(instance) ? HS_GUARD_HAS_CONFIDENCE : 0u) |
-           (points && SV_HAS(points, write) && points->write ? HS_GUARD_HAS_POINTS : 0u);
+           (points && SV_HAS(points, write) && points->write ? HS_GUARD_HAS_POINTS : 0u) |
+           (hs_plugin_needs(instance) ? HS_GUARD_HAS_NEEDS : 0u);
 }
 
 /* [child] Asks the open plugin for everything that stays the same. It may crash in any of that. */
@@ -286,6 +287,19 @@ static sv_status read_confidence(server_state *server) {
                                          &block->confidence_report));
 }
 
+static sv_status tell_needs(server_state *server) {
+    hs_guard_needs *needs = &server->block->needs;
+    const sv_plugin *instance = server->plugin.instance;
+    const sv_ext_needs *ext = hs_plugin_needs(instance);
+    sv_format format = needs->format;
+    if (!ext) return SV_ERR_STATE;
+    format.values = format.value_count ? needs->fixed : NULL;
+    needs->out = (sv_needs){.size = sizeof needs->out};
+    enter_call(server, "needs", 0, 0);
+    return keep_reason(
+        server, ext->of(instance, &format, needs->values, needs->value_count, &needs->device, &needs->out));
+}
+
 static sv_status close_plugin(server_state *server) {
     (void)deactivate(server);
     enter_call(server, "destroy", 0, 0);
@@ -318,6 +332,8 @@ static sv_status obey(server_state *server, uint32_t op) {
         return time_stages(server, true);
     case HS_GUARD_READ_CONFIDENCE:
         return read_confidence(server);
+    case HS_GUARD_NEEDS:
+        return tell_needs(server);
     case HS_GUARD_CLOSE:
         return close_plugin(server);
     default:

@@ -35,7 +35,7 @@ static void fill_facts(hs_guard_facts *f) {
     f->plugin_count = 2;
     f->chosen = 1;
     f->param_count = PARAMS;
-    f->extensions = HS_GUARD_HAS_TIMING | HS_GUARD_HAS_CONFIDENCE | HS_GUARD_HAS_POINTS;
+    f->extensions = HS_GUARD_HAS_TIMING | HS_GUARD_HAS_CONFIDENCE | HS_GUARD_HAS_POINTS | HS_GUARD_HAS_NEEDS;
     for (int i = 0; i < 2; i++) {
         (void)snprintf(f->plugin[i].id, sizeof f->plugin[i].id, "org.smartvis.fuzz.%d", i);
         f->plugin[i].extension_count = 1;
@@ -216,6 +216,9 @@ static void ask_extensions(const hs_plugin *plugin) {
     sv_points_report points = {.size = sizeof points};
     sv_stage_times times = {.size = sizeof times};
     sv_confidence_report report = {.size = sizeof report};
+    static const sv_format format = {.size = sizeof format};
+    static const sv_needs_device device = {.size = sizeof device};
+    sv_needs needs = {.size = sizeof needs};
     const sv_ext_confidence *confidence = hs_plugin_confidence(p);
     const sv_ext_timing *timing = hs_plugin_timing(p);
     hs_plugin_points(p, &points);
@@ -225,7 +228,8 @@ static void ask_extensions(const hs_plugin *plugin) {
         (void)confidence->read(p, map, &report);
     }
     if (timing) (void)(timing->enable(p, 1) + timing->stage_times(p, &times));
-    FUZZ_HOLDS(times.size == sizeof times && report.size == sizeof report);
+    if (hs_plugin_needs(p)) (void)hs_plugin_needs(p)->of(p, &format, NULL, 0, &device, &needs);
+    FUZZ_HOLDS(needs.size == sizeof needs && times.size == sizeof times && report.size == sizeof report);
 }
 
 static void activate(const hs_plugin *plugin) {

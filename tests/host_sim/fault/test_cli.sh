@@ -208,6 +208,17 @@ holds grep -q "^  kernel .*Filter size k" stdout
 holds grep -q "more parameters do not matter with these values" stdout
 expect 2 "no parameter 'foo'" list --set foo=1
 expect 2 "needs a value" list --set
+# A copy is guarded, and tells the same as the host's own.
+cp "$build/smartvis.so" "$work/copy.so"
+for options in "--all" "--set method=spline"; do
+    for library in "$build/smartvis.so" "$work/copy.so"; do
+        # shellcheck disable=SC2086 # options are words
+        expect 0 "" list $options --plugin "$library"
+        holds grep -q "^  takes for" stdout
+        tail -n +2 "$work/stdout" > "$work/list.${library##*/}"
+    done
+    holds cmp "$work/list.smartvis.so" "$work/list.copy.so"
+done
 # An enum's retired values are neither listed nor taken.
 expect 0 "" list --all
 holds grep -q "mean | minimum | spline | wall" stdout

@@ -170,6 +170,64 @@ static void extensions_reach_through(void **state) {
     must(hs_guarded_close(&plugin, &err));
 }
 
+/* What a plugin needs with these values: status, numbers and reason are the plugin's own. */
+static void needs_the_same(const hs_plugin *both, uint32_t size, sv_param_value fixed, sv_param_value own) {
+    static const sv_needs_device device = {sizeof device, SV_NEEDS_CPU | SV_NEEDS_DOUBLES, 4, 0};
+    const sv_format format = {.size = size,
+                              .width = 96,
+                              .height = 80,
+                              .slices = 64,
+                              .max_slab_slices = 16,
+                              .voxel_type = SV_VOXEL_U8,
+                              .carrier = SV_CARRIER_HOST,
+                              .padding_value = SV_NO_PADDING,
+                              .tiles_x = 1,
+                              .tile_w = 96,
+                              .tile_h = 80,
+                              .row_pitch = 96,
+                              .values = &fixed,
+                              .value_count = 1};
+    sv_needs needs[2] = {{.size = sizeof *needs}, {.size = sizeof *needs}};
+    sv_status status[2];
+    for (int i = 0; i < 2; i++)
+        status[i] =
+            hs_plugin_needs(both[i].instance)->of(both[i].instance, &format, &own, 1, &device, &needs[i]);
+    assert_int_equal(status[1], status[0]);
+    assert_memory_equal(&needs[1], &needs[0], sizeof *needs);
+    assert_true(status[0] != SV_OK || needs[0].commands > 0);
+    if (status[0] != SV_OK)
+        assert_string_equal(both[1].instance->last_error(both[1].instance),
+                            both[0].instance->last_error(both[0].instance));
+}
+
+/* A plugin has the extensions that it names, guarded or not. */
+static void what_a_plugin_can_do_is_the_same(void **state) {
+    hs_plugin both[2];
+    sv_param_value spline, mean, far;
+    const hs_guard_options off = guard_of(HS_GUARD_OFF), on = guard_of(HS_GUARD_ON);
+    (void)state;
+    open_with(&both[0], "smartvis.so", &off);
+    open_with(&both[1], "smartvis.so", &on);
+    const char *const *ids = both[0].instance->descriptor->extensions,
+                      *const *told = both[1].instance->descriptor->extensions;
+    for (; *ids; ids++, told++) {
+        assert_string_equal(*told, *ids);
+        if (!both[1].instance->get_extension(both[1].instance, *ids))
+            fail_msg("guarded, the plugin has no %s", *ids);
+    }
+    assert_null(*told);
+    must(hs_plugin_parse_param(&both[0], "method=spline", &spline, &err));
+    must(hs_plugin_parse_param(&both[0], "method=mean", &mean, &err));
+    must(hs_plugin_parse_param(&both[0], "q=0.5", &far, &err));
+    needs_the_same(both, sizeof(sv_format), spline, far);
+    needs_the_same(both, sizeof(sv_format), mean, far);
+    far.value = 99;
+    needs_the_same(both, sizeof(sv_format), mean, far);
+    needs_the_same(both, 8, mean, far);
+    hs_plugin_close(&both[0]);
+    must(hs_guarded_close(&both[1], &err));
+}
+
 /* --------------------------------------------------------------------------------- what goes wrong -- */
 
 /* Frames 0, 3, 6 and 9 of ten end the child; all others are clipped. */
@@ -263,5 +321,5 @@ static int set_up_crashes(void **state) {
 }
 
 UNIT_MAIN(set_up_crashes, tear_down, every_way_gives_the_same_bits, parameters_tell_the_same,
-          extensions_reach_through, a_crash_costs_its_frame, restarts_are_bounded, an_error_is_an_error,
-          who_is_guarded)
+          extensions_reach_through, what_a_plugin_can_do_is_the_same, a_crash_costs_its_frame,
+          restarts_are_bounded, an_error_is_an_error, who_is_guarded)
