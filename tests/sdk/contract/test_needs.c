@@ -4,6 +4,7 @@
  * commands as the spies count them, over methods, layouts, sizes, carriers and settings; and it asks OpenCL
  * nothing. A format that the device has no room for is refused before anything is made.
  */
+#include "smartvis/lookup.h"
 #include "smartvis/needs.h"
 #include "smartvis/timing.h"
 #include "support/plain_format.h"
@@ -164,6 +165,45 @@ static void told_is_taken(void **state) {
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) holds(r, &settings[i]);
 }
 
+static void also(setting *s, const sv_param_info *p, double value) {
+    uint32_t n = 0;
+    while (s->with[n].key) n++;
+    s->with[n].key = p->key;
+    s->with[n].value = value;
+    s->with[n].fixed = (p->flags & SV_PARAM_REACTIVATE) != 0;
+}
+
+/* Every parameter of the plugin's list, at its ends, with the first method that it matters to. */
+static void every_parameter_is_counted(void **state) {
+    rig *r = *state;
+    sv_param_info p, on, method;
+    char name[32];
+    spy_watch(r->entry);
+    heap_spy_watch(r->entry);
+    assert_true(sv_lookup_key(r->plugin, "method", &method));
+    for (uint32_t i = 0; sv_lookup_index(r->plugin, i, &p); i++) {
+        setting s = {
+            .method = name, .strategy = "auto", .width = 21, .height = 18, .slices = 14, .slab_slices = 6};
+        sv_param_value with[RIG_MAX_ENABLE];
+        int count = -1;
+        if (strcmp(p.key, "method") == 0 || strcmp(p.key, "strategy") == 0) continue; /* in every setting */
+        for (double m = method.min_value; count < 0; m++) {
+            assert_true(m <= method.max_value);
+            if (r->plugin->param_text(r->plugin, method.id, m, name, sizeof name) == SV_OK)
+                count = rig_enable(r, &p, m, with);
+        }
+        for (int n = 0; n < count; n++) {
+            assert_true(sv_lookup_id(r->plugin, with[n].id, &on));
+            also(&s, &on, with[n].value);
+        }
+        for (int high = 0; high < 2; high++) {
+            setting end = s;
+            also(&end, &p, high ? p.max_value : p.min_value);
+            holds(r, &end);
+        }
+    }
+}
+
 /* Another device takes something else, and the number of its units counts where work is by bands. */
 static void the_device_counts(void **state) {
     rig *r = *state;
@@ -234,5 +274,5 @@ static void what_cannot_be_is_refused(void **state) {
     assert_int_equal(ext->of(p, &format, NULL, 0, &device, &needs), SV_ERR_FORMAT);
 }
 
-UNIT_MAIN_OF(NULL, NULL, RIG_TEST(told_is_taken), RIG_TEST(the_device_counts), RIG_TEST(the_largest_format),
-             RIG_TEST(what_cannot_be_is_refused))
+UNIT_MAIN_OF(NULL, NULL, RIG_TEST(told_is_taken), RIG_TEST(every_parameter_is_counted),
+             RIG_TEST(the_device_counts), RIG_TEST(the_largest_format), RIG_TEST(what_cannot_be_is_refused))

@@ -126,6 +126,23 @@ double rig_enum(const rig *r, const char *key, const char *name) {
     return value;
 }
 
+int rig_enable(const rig *r, const sv_param_info *param, double method, sv_param_value *out) {
+    sv_param_info on;
+    uint64_t values = param->depends_values;
+    int count = 0;
+    for (uint32_t id = param->depends_on; id != 0; id = on.depends_on) {
+        if (!sv_lookup_id(r->plugin, id, &on))
+            stop("a parameter depends on one that is not there", param->key);
+        if (strcmp(on.key, "method") == 0) return values >> (uint32_t)method & 1u ? count : -1;
+        if (count == RIG_MAX_ENABLE) stop("a parameter depends on too many", param->key);
+        double value = on.min_value;
+        for (; !(values & 1u); values >>= 1) value += on.step;
+        out[count++] = (sv_param_value){.id = id, .value = value};
+        values = on.depends_values;
+    }
+    return count;
+}
+
 uint32_t rig_values(const rig *r, const rig_settings *s, sv_param_value *values) {
     const struct {
         const char *key;

@@ -138,5 +138,10 @@ uint32_t rig_values(const rig *r, const rig_settings *settings, sv_param_value *
 uint32_t rig_param(const rig *r, const char *key);
 double rig_param_default(const rig *r, const char *key);
 
+/* The values of others with which a parameter matters to a method, into `out`. Returns how many; -1: it does
+ * not matter to that. */
+enum { RIG_MAX_ENABLE = 2 };
+int rig_enable(const rig *r, const sv_param_info *param, double method, sv_param_value *out);
+
 /* The value of an enum parameter by its name. Fails the test program if there is none. */
 double rig_enum(const rig *r, const char *key, const char *name);
