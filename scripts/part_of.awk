@@ -7,14 +7,17 @@ function part_of(file) {
     if (file ~ /^(host_sim|data|tests\/host_sim)\//) return "host_sim"
     if (file ~ /^(python|tests\/python)\//) return "python"
     if (file ~ /^(lab|tests\/lab)\//) return "lab"
+    if (file ~ /^(docs\/.*|[^\/]*\.md)$/) return "docs"
     return "rest"
 }
 
-# The parts whose tests a change of a part concerns: its own, and of what is built on it or loads it.
+# The parts whose tests a change of a part concerns: its own, and of what is built on it or loads it. test_parts.sh holds that to what
+# CMake knows. Tests of base load the plugin and are linked with the SDK's support; host_sim has the lab's commands; pages are read by
+# tests of the SDK.
 function concerned(part) {
-    if (part == "base") return "base sdk host_sim python lab"
-    if (part == "plugin") return "sdk host_sim python lab"
-    if (part == "host_sim") return "host_sim python lab"
-    if (part == "sdk") return "sdk lab"
+    if (part == "base" || part == "plugin") return "base sdk host_sim python lab"
+    if (part == "sdk") return "base sdk host_sim lab"
+    if (part == "host_sim" || part == "lab") return "host_sim python lab"
+    if (part == "docs") return "sdk"
     return part
 }
