@@ -49,10 +49,10 @@ __kernel void frame_end(sv_job job, __global const uchar *restrict state8,
                         __global sum_t *scratch, __global float *surfaces, __global uint *record) {
     const uint rows = job.height;
     const uint maximum = rows_maximum(state8, job.padded_width, 0, rows);
-    if (job.bone_mode == SV_BONE_FRACTION) {
-        for (uint i = 0; i < 256; i++) histogram[i] = 0;
-        rows_histogram(state8, job.width, job.padded_width, 0, rows, histogram);
-    }
+    /* No loop in a branch of the mode: PoCL 7.1 aborts on that (docs/architecture.md). */
+    const uint counted = job.bone_mode == SV_BONE_FRACTION ? rows : 0;
+    for (uint i = 0; i < 256; i++) histogram[i] = 0;
+    rows_histogram(state8, job.width, job.padded_width, 0, counted, histogram);
     const uint level = bone_level_of(&job, maximum, histogram);
     const point_counts count = rows_points(&job, state8, state16, level, 0, rows, status, sums_a);
     record_start(record, &job, maximum, level, count);
