@@ -3,7 +3,8 @@
  * One frame by every method in every layout of the work, and from every carrier, on the first device there
  * is. Prints a line each, with a sum over the bits of all results: two runtimes compute the same if the lines
  * are the same. It needs nothing of the host, so it runs on simulators of devices, too. Usage: every_method
- * PLUGIN.so [small [METHOD]]. What stands behind OpenCL is printed to stderr. Exit code 1 if a frame fails.
+ * PLUGIN.so [small [METHOD]]. What stands behind OpenCL is printed to stderr. Exit code 1 if a frame fails,
+ * if a method's layouts differ, or if two methods do not.
  */
 #include "smartvis/confidence.h"
 #include "smartvis/lookup.h"
@@ -107,8 +108,9 @@ static uint64_t sum_of_results(const sv_result *result) {
     return sum_of(result->status, rays, sum);
 }
 
-static void try_one(const sv_plugin *p, const stage_device *d, uint32_t carrier,
-                    const sv_param_value values[2], const char *label) {
+/* Returns the sum over the results. */
+static uint64_t try_one(const sv_plugin *p, const stage_device *d, uint32_t carrier,
+                        const sv_param_value values[2], const char *label) {
     static const char *const carriers[] = {"", "host", "buffer", "image"};
     static stage st;
     const stage_way way = {.width = width,
@@ -122,6 +124,7 @@ static void try_one(const sv_plugin *p, const stage_device *d, uint32_t carrier,
                            .ranges = true,
                            .spacing_mm = {1, 1, 1},
                            .padding = SV_NO_PADDING,
+                           .fixed_count = 2,
                            .fixed = {values[0], values[1]}};
     stage_make(&st, &way, d, failed, NULL);
     stage_fill(&st, voxels, scanned);
@@ -133,11 +136,34 @@ static void try_one(const sv_plugin *p, const stage_device *d, uint32_t carrier,
     if (status < SV_OK) (void)fprintf(stderr, "every_method: %s: %s\n", label, p->last_error(p));
     if (active) p->deactivate(p);
     failures += status < SV_OK;
+    const uint64_t sum = sum_of_results(&result);
     (void)printf("%-20s %-6s outcome %d, results %016llx\n", label, carriers[carrier],
-                 (int)(status < SV_OK ? status : result.stats->outcome),
-                 (unsigned long long)sum_of_results(&result));
+                 (int)(status < SV_OK ? status : result.stats->outcome), (unsigned long long)sum);
     (void)fflush(stdout);
     stage_free(&st);
+    return sum;
+}
+
+/* All layouts and carriers of a method give the same results, and no two methods do: else the frame shows
+ * nothing of what was chosen. */
+static void judge(double method, uint64_t sum, const char *label) {
+    static struct {
+        double method;
+        uint64_t sum;
+    } seen[64];
+    static size_t count;
+    size_t i = 0;
+    while (i < count && (seen[i].method == method) == (seen[i].sum == sum)) i++;
+    if (i < count) {
+        failures++;
+        (void)fprintf(stderr, "every_method: %s: %s\n", label,
+                      seen[i].method == method ? "other results than the same method had before"
+                                               : "the results of another method");
+    }
+    if (count < sizeof seen / sizeof *seen) {
+        seen[count].method = method;
+        seen[count++].sum = sum;
+    }
 }
 
 static void try_all(const sv_plugin *p, const stage_device *d, bool images) {
@@ -161,10 +187,10 @@ static void try_all(const sv_plugin *p, const stage_device *d, bool images) {
             const int turn = (int)((m - method.min_value) / method.step) % 2 + 1;
             const bool chosen = s == strategy.min_value + turn * strategy.step || s == strategy.max_value;
             if (small && m > method.min_value && !chosen) continue;
-            try_one(p, d, SV_CARRIER_BUFFER, values, label);
+            judge(m, try_one(p, d, SV_CARRIER_BUFFER, values, label), label);
             if (m > method.min_value) continue; /* how the slabs come is the same for all methods */
-            try_one(p, d, SV_CARRIER_HOST, values, label);
-            if (images) try_one(p, d, SV_CARRIER_IMAGE, values, label);
+            judge(m, try_one(p, d, SV_CARRIER_HOST, values, label), label);
+            if (images) judge(m, try_one(p, d, SV_CARRIER_IMAGE, values, label), label);
         }
 }
 
