@@ -39,3 +39,16 @@ void hs_cl_close(hs_cl *cl) {
     if (cl->context) (void)clReleaseContext(cl->context);
     memset(cl, 0, sizeof *cl);
 }
+
+bool hs_cl_check_images(const hs_cl *cl, hs_error *err) {
+    cl_image_format formats[256];
+    cl_uint count = 0;
+    const cl_int code = clGetSupportedImageFormats(cl->context, CL_MEM_READ_WRITE, CL_MEM_OBJECT_IMAGE2D, 256,
+                                                   formats, &count);
+    for (cl_uint i = 0; code == CL_SUCCESS && i < count && i < 256; i++)
+        if (formats[i].image_channel_order == CL_R && formats[i].image_channel_data_type == CL_UNORM_INT8)
+            return true;
+    return hs_fail(err, HS_ERR_DEVICE,
+                   "carrier image: %s has no images of one channel of 8 bits; take --carrier buffer",
+                   cl->device_name);
+}

@@ -26,3 +26,7 @@ void hs_cl_close(hs_cl *cl);
 
 /* True on CL_SUCCESS; else records HS_ERR_DEVICE with the call's name, the code's name and its number. */
 bool hs_cl_check(cl_int code, const char *call, hs_error *err);
+
+/* True if the device has 2D images of one channel of 8 bits (CL_R, CL_UNORM_INT8); else HS_ERR_DEVICE. It may
+ * have images and none of these (PoCL 7.1). */
+bool hs_cl_check_images(const hs_cl *cl, hs_error *err);

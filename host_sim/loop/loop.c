@@ -144,6 +144,9 @@ static bool create_clipper(hs_loop *loop, const hs_plugin *plugin, bool gaps, hs
     hs_slab_layout layout;
     hs_error refused = {0};
     fit_plugin(loop, plugin, &refused);
+    /* Asked here for a guarded plugin, too, whose images are its guard's: they fail in no call of the plugin.
+     */
+    if (o->carrier == SV_CARRIER_IMAGE && !hs_cl_check_images(loop->cl, err)) return false;
     if (!make_layout(loop, &layout, err)) return false;
     const float across = (float)(loop->box.extent / layout.width);
     const float along = (float)(loop->box.depth_extent / layout.slices);

@@ -33,17 +33,12 @@ static size_t texture_rows(const hs_slab_layout *layout, uint32_t slices) {
     return (size_t)((slices + layout->tiles_x - 1) / layout->tiles_x) * layout->tile_h;
 }
 
-/* The largest 2D image of the device; 0 x 0 if it has none. */
+/* The largest 2D image of the device. */
 static bool image_limits(const hs_cl *cl, size_t limits[2], hs_error *err) {
-    cl_bool supported = CL_FALSE;
-    cl_int code = clGetDeviceInfo(cl->device, CL_DEVICE_IMAGE_SUPPORT, sizeof supported, &supported, NULL);
-    limits[0] = limits[1] = 0;
-    if (code == CL_SUCCESS && supported) {
-        code = clGetDeviceInfo(cl->device, CL_DEVICE_IMAGE2D_MAX_WIDTH, sizeof limits[0], &limits[0], NULL);
-        if (code == CL_SUCCESS)
-            code =
-                clGetDeviceInfo(cl->device, CL_DEVICE_IMAGE2D_MAX_HEIGHT, sizeof limits[1], &limits[1], NULL);
-    }
+    cl_int code =
+        clGetDeviceInfo(cl->device, CL_DEVICE_IMAGE2D_MAX_WIDTH, sizeof limits[0], &limits[0], NULL);
+    if (code == CL_SUCCESS)
+        code = clGetDeviceInfo(cl->device, CL_DEVICE_IMAGE2D_MAX_HEIGHT, sizeof limits[1], &limits[1], NULL);
     return hs_cl_check(code, "clGetDeviceInfo (images)", err);
 }
 
@@ -52,8 +47,6 @@ static bool check_image_size(const hs_slabs *slabs, hs_error *err) {
     const size_t height = texture_rows(&slabs->layout, slabs->layout.slab_slices);
     size_t limits[2];
     if (!image_limits(slabs->cl, limits, err)) return false;
-    if (limits[0] == 0)
-        return hs_fail(err, HS_ERR_DEVICE, "carrier image: %s has no images", slabs->cl->device_name);
     return (width <= limits[0] && height <= limits[1]) ||
            hs_fail(err, HS_ERR_USAGE,
                    "carrier image: a slab's texture is %zu x %zu pixels, the device allows %zu x %zu", width,

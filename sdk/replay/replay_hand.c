@@ -134,6 +134,7 @@ bool rp_hand_slab(rp_hand *h, const rec_item *item, sv_slab *slab, hs_error *err
                                 .image_width = (size_t)f->tiles_x * f->tile_w,
                                 .image_height = (size_t)(texture_bytes(f, slab->slice_count) / f->row_pitch),
                                 .image_row_pitch = f->row_pitch};
+    if (!hs_cl_check_images(&h->cl, err)) return false;
     cl_int code;
     const cl_mem made =
         clCreateImage(f->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, &pixel, &desc, texture, &code);

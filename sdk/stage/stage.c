@@ -324,6 +324,22 @@ sv_status stage_run(const stage *st, const sv_plugin *p, const sv_param_value *v
     return status;
 }
 
+/* ---- what a device can */
+bool stage_has_images(const stage_device *device) {
+    cl_image_format formats[256];
+    cl_uint count = 0;
+    bool floats = false, integers = false;
+    if (clGetSupportedImageFormats(device->context, CL_MEM_READ_ONLY, CL_MEM_OBJECT_IMAGE2D, 256, formats,
+                                   &count) != CL_SUCCESS)
+        return false;
+    for (cl_uint i = 0; i < count && i < 256; i++) {
+        const bool one = formats[i].image_channel_order == CL_R;
+        floats |= one && formats[i].image_channel_data_type == CL_UNORM_INT8;
+        integers |= one && formats[i].image_channel_data_type == CL_UNSIGNED_INT8;
+    }
+    return floats && integers;
+}
+
 sv_needs_device stage_facts(cl_device_id device) {
     sv_needs_device facts = {.size = sizeof facts, .compute_units = 1};
     cl_device_type type = 0;

@@ -122,6 +122,14 @@ cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t room, vo
     }
 }
 
+cl_int clGetSupportedImageFormats(cl_context context, cl_mem_flags flags, cl_mem_object_type type,
+                                  cl_uint room, cl_image_format *out, cl_uint *count) {
+    (void)context, (void)flags, (void)type;
+    if (room) *out = (cl_image_format){CL_R, CL_UNORM_INT8};
+    *count = 1;
+    return CL_SUCCESS;
+}
+
 cl_context clCreateContext(const cl_context_properties *properties, cl_uint count,
                            const cl_device_id *devices,
                            void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *data,

