@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import pickle
 import signal
@@ -49,30 +48,61 @@ def crash(_: str) -> None:
     os.abort()
 
 
-def serve() -> None:
-    """Answers until nobody asks any more; ends with whoever started it."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(1, signal.SIGKILL)
+def serve(version: tuple[int, int], answers: int, life: int) -> None:
+    """Greets whoever started it, and answers until nobody asks any more. `answers` and `life` are descriptors, on
+    Windows handles; the second closes when that process ends."""
+    told = _opened(answers, os.O_WRONLY)
+    if version != sys.version_info[:2]:
+        _answer(told, (False, f"it is Python {sys.version_info[0]}.{sys.version_info[1]}"))
+        return
+    _end_with(_opened(life, os.O_RDONLY))
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what a library prints is no answer
+    _answer(told, (True, None))
     what: dict[str, Any] = {"open": open_file, "read": read, "write": write, "crash": crash}
     while True:
         try:
             name, *arguments = pickle.load(sys.stdin.buffer)
-        except EOFError:
+        except (EOFError, pickle.UnpicklingError):  # perhaps in the middle of a question
             return
-        try:
-            answer: tuple[bool, Any] = (True, what[name](*arguments))
-        except OutputError as error:
-            answer = (False, ("output", str(error)))
-        except MemoryError:
-            answer = (False, ("memory", f"{arguments[0]}: no memory to read it"))
-        except (FileError, MissingExtraError, HostError) as error:
-            answer = (False, ("file", str(error)))
-        except RecursionError:
-            answer = (False, ("file", f"{arguments[0]}: is nested too deep"))
-        except Exception as error:
-            answer = (False, ("file", f"{arguments[0]}: cannot be read as a volume ({type(error).__name__})"))
-        pickle.dump(answer, answers, protocol=5)
-        answers.flush()
+        _answer(told, _what_comes_of(what[name], arguments))
+
+
+def _what_comes_of(function: Any, arguments: list[Any]) -> tuple[bool, Any]:
+    try:
+        return True, function(*arguments)
+    except OutputError as error:
+        return False, ("output", str(error))
+    except MemoryError:
+        return False, ("memory", f"{arguments[0]}: no memory to read it")
+    except (FileError, MissingExtraError, HostError) as error:
+        return False, ("file", str(error))
+    except RecursionError:
+        return False, ("file", f"{arguments[0]}: is nested too deep")
+    except Exception as error:
+        return False, ("file", f"{arguments[0]}: cannot be read as a volume ({type(error).__name__})")
+
+
+def _opened(number: int, how: int) -> int:
+    """What was handed over, as a descriptor that no further process inherits."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        number = msvcrt.open_osfhandle(number, how | os.O_BINARY)
+    os.set_inheritable(number, False)
+    return number
+
+
+def _end_with(life: int) -> None:
+    """Whatever a library is at, the kernel ends this process when the other side has closed. Elsewhere than on Linux
+    the end of the questions does, when the library is through."""
+    if sys.platform == "linux":
+        import fcntl
+
+        fcntl.fcntl(life, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(life, fcntl.F_SETSIG, signal.SIGKILL)
+        fcntl.fcntl(life, fcntl.F_SETFL, fcntl.fcntl(life, fcntl.F_GETFL) | os.O_ASYNC)
+
+
+def _answer(descriptor: int, answer: tuple[bool, Any]) -> None:
+    with os.fdopen(descriptor, "wb", closefd=False) as file:
+        pickle.dump(answer, file, protocol=5)

@@ -23,6 +23,16 @@ _POCL = "pip install pocl-binary-distribution"
 _INTEL = "pip install intel-opencl-rt intel-cmplr-lib-rt"
 
 
+def open_standard() -> None:
+    """Descriptors 0 to 2, which a daemon may have closed: else a file that is opened next becomes one of them, and
+    gets what libraries print."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # becomes the lowest that is free
+
+
 _used_in: list[int] = []  # the processes in which OpenCL was used, of this one and those it was forked from
 
 

@@ -20,7 +20,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from . import _kretz
+from . import _kretz, _process
 from ._clip import ClipperCache
 from ._errors import FileError, HostError, extra_module
 from ._files import PARTS, Source, stem, whole
@@ -110,6 +110,7 @@ def task(path: str, frame: int, settings: Settings, out: str, seconds: int) -> d
     global _worker_cache, _worker_source
     if _worker_cache is None:
         _worker_cache = ClipperCache(most=2)
+    _process.limit = seconds
     file, results = Path(path), Path(out)
     began = row_path(results, file, frame).with_suffix(BEGAN)
     if began.exists() and time.time() - began.stat().st_mtime >= seconds:
@@ -120,7 +121,7 @@ def task(path: str, frame: int, settings: Settings, out: str, seconds: int) -> d
         if _worker_source is None or _worker_source.path != file:
             _worker_source = Source(file, mirror=settings.mirror, spacing=settings.spacing)
         row = clip_one(_worker_source, frame, settings, folder_of(results, file), _worker_cache, True)
-    except FileError as error:
+    except (FileError, HostError) as error:
         row = Row(path, frame, "input", str(error))
     finally:
         faulthandler.cancel_dump_traceback_later()
@@ -186,6 +187,7 @@ def batch(
     HostError: the workers died and none came back."""
     same_settings(out, settings)
     _remove_leftovers(out)
+    _process.limit = seconds
     todo, rows = frames_of(files, out)
     total(len(todo) + len(rows))
     for _ in rows:

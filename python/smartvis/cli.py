@@ -17,7 +17,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
-from . import __version__, _kretz
+from . import __version__, _kretz, _process
 from ._errors import FileError, HostError, LoadError, OutputError, PluginError, SmartVisError
 from ._files import Source, stem
 from ._plugin import Parameter, load
@@ -87,6 +87,12 @@ def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
     add("--format", metavar="SUFFIX", default=".nrrd", help="of volumes: .nrrd, .mha, .nii.gz [.nrrd]")
     add("--level", type=finite, help="grey value at which the mesh's tissue begins [Otsu's threshold]")
     add("--mirror", action="store_true", help="Kretz volumes: the other side, as of host_sim")
+    add(
+        "--seconds",
+        type=positive,
+        default=600,
+        help="that reading a file may take, in a batch a volume [600]",
+    )
 
 
 def settings_of(args: argparse.Namespace) -> Settings:
@@ -153,6 +159,7 @@ def command_clip(args: argparse.Namespace) -> int:
     settings = settings_of(args)
     files = [part for path in map(Path, args.file) for part in (_kretz.split(path) if path.is_dir() else [path])]
     check_mirror(settings, files)
+    _process.limit = args.seconds
     taken: dict[str, Path] = {}
     for path in files:
         if (name := stem(path)) in taken:
@@ -300,7 +307,6 @@ def parser_of() -> argparse.ArgumentParser:
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     batch.add_argument("--workers", type=positive, default=count, help=f"processes on this machine [{count}]")
     batch.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler instead; it sees the same files")
-    batch.add_argument("--seconds", type=positive, default=600, help="that a volume may take [600]")
     add_clip_options(batch)
     add_product_options(batch, "clipped,depth")
     batch.set_defaults(run=command_batch)
