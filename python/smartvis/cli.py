@@ -17,7 +17,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
-from . import __version__, _kretz, _process
+from . import __version__, _kretz, _process, _runtime
 from ._errors import FileError, HostError, LoadError, OutputError, PluginError, SmartVisError
 from ._files import Source, stem
 from ._plugin import Parameter, load
@@ -354,6 +354,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run() -> NoReturn:
     """The entry of the console script."""
+    _runtime.open_standard()
+    for name, number in (("stdout", 1), ("stderr", 2)):
+        if getattr(sys, name) is None:  # Python has none where its descriptor was closed
+            setattr(sys, name, os.fdopen(number, "w", closefd=False))
+    os.environ["PYTHONSAFEPATH"] = "1"  # workers run nothing of the folder where the user stands
     # The plugin's errors come as exceptions, too.
     logging.getLogger("smartvis.plugin").addFilter(lambda record: record.levelno < logging.ERROR)
     code = main()

@@ -59,7 +59,7 @@ def is_gone(number: int) -> bool:
     return False
 
 
-@pytest.mark.parametrize("command", [["clip", "scan.nrrd"]])
+@pytest.mark.parametrize("command", [["clip", "scan.nrrd"], ["batch", ".", "--workers", "1"]])
 def test_nothing_of_the_working_folder_is_run(scan: str, command: list[str]) -> None:
     """A file there for every module that Python and this package may ask for."""
     folder = Path(scan).parent
@@ -193,3 +193,13 @@ def test_a_program_that_has_python_inside_starts_no_copy_of_itself(
     with pytest.raises(HostError, match=f"there is none: this program is '.*{name}'; SMARTVIS_PYTHON names one"):
         Source(scan)
     assert not (tmp_path / "started").exists()
+
+
+def test_closed_descriptors_stay_out_of_it(scan: str, tmp_path: Path) -> None:
+    """A daemon has none of 0 to 2."""
+    for closed in ("0<&-", "1>&-", "2>&-", "0<&- 1>&- 2>&-"):
+        out = tmp_path / closed.replace(" ", "")
+        ended = subprocess.run(["sh", "-c", f'exec "$0" "$@" {closed}', PROGRAM, "clip", scan, "--out", str(out)],
+                               capture_output=True, text=True, timeout=LONG, check=False)  # fmt: skip
+        assert ended.returncode == 0 and "Traceback" not in ended.stderr, ended.stderr
+        assert sitk.ReadImage(str(out / "scan_depth.nrrd")).GetSize()[2] == 1
