@@ -10,12 +10,6 @@
 
 SMARTVIS_BEGIN_C
 
-static inline sva *sva_enter(const sv_plugin *plugin) {
-    sva *a = (sva *)plugin->plugin_data;
-    a->reason[0] = '\0';
-    return a;
-}
-
 /* What ends a frame, or an adjust, without a map: the method lets go of the host's memory. */
 static inline sv_status sva_fail(sva *a, sv_status status) {
     if (status < 0 && a->method->abandon) a->method->abandon(a);
@@ -51,17 +45,8 @@ static inline void sva_release(sva *a) {
     a->state = SVA_INACTIVE;
 }
 
-static inline void SV_CALL sva_deactivate(const sv_plugin *plugin) {
-    sva *a = sva_enter(plugin);
-    if (a->state == SVA_INACTIVE)
-        (void)sva_wrong_state(a, "deactivate");
-    else
-        sva_release(a);
-}
-
-static inline void SV_CALL sva_destroy(const sv_plugin *plugin) {
-    if (!plugin) return;
-    sva *a = sva_enter(plugin);
+/* The end of an instance that no call uses. */
+static inline void sva_delete(sva *a) {
     if (a->state != SVA_INACTIVE) {
         (void)sva_wrong_state(a, "destroy");
         sva_release(a);
@@ -69,6 +54,31 @@ static inline void SV_CALL sva_destroy(const sv_plugin *plugin) {
     free(a->own);
     free(a->values);
     free(a);
+}
+
+/* Behind what sva_take allowed; returns `status`. */
+static inline sv_status sva_leave(sva *a, sv_status status) {
+    if (!sva_change(&a->busy, 1, 0)) sva_delete(a);
+    return status;
+}
+
+static inline void SV_CALL sva_deactivate(const sv_plugin *plugin) {
+    sva *a = sva_take(plugin, "deactivate");
+    if (!a) return;
+    if (a->state == SVA_INACTIVE)
+        (void)sva_wrong_state(a, "deactivate");
+    else
+        sva_release(a);
+    (void)sva_leave(a, SV_OK);
+}
+
+static inline void SV_CALL sva_destroy(const sv_plugin *plugin) {
+    if (!plugin) return;
+    sva *a = (sva *)plugin->plugin_data;
+    if (sva_change(&a->busy, 1, 2))
+        (void)sva_tell(a, SV_ERR_STATE, "destroy: comes while another call of this instance is under way");
+    else
+        sva_delete(sva_enter(plugin));
 }
 
 /* The format as the method sees it. */
@@ -102,8 +112,7 @@ static inline sv_status sva_allocate(sva *a) {
     return SV_OK;
 }
 
-static inline sv_status SV_CALL sva_activate(const sv_plugin *plugin, const sv_format *format) {
-    sva *a = sva_enter(plugin);
+static inline sv_status sva_on_activate(sva *a, const sv_format *format) {
     const uint32_t count = a->method->param_count;
     if (a->state != SVA_INACTIVE) return sva_wrong_state(a, "activate");
     sv_status status = sva_check_format(a, format, 0);
@@ -122,10 +131,14 @@ static inline sv_status SV_CALL sva_activate(const sv_plugin *plugin, const sv_f
     return status;
 }
 
+static inline sv_status SV_CALL sva_activate(const sv_plugin *plugin, const sv_format *format) {
+    sva *a = sva_take(plugin, "activate");
+    return a ? sva_leave(a, sva_on_activate(a, format)) : SV_ERR_STATE;
+}
+
 /* ------------------------------------------------------------------------------------------- frame -- */
 
-static inline sv_status SV_CALL sva_begin(const sv_plugin *plugin, const sv_frame *frame) {
-    sva *a = sva_enter(plugin);
+static inline sv_status sva_on_begin(sva *a, const sv_frame *frame) {
     if (a->state == SVA_INACTIVE) return sva_wrong_state(a, "begin");
     if (a->state == SVA_SLABS && a->method->abandon) a->method->abandon(a);
     a->state = SVA_IDLE;
@@ -147,8 +160,12 @@ static inline sv_status SV_CALL sva_begin(const sv_plugin *plugin, const sv_fram
     return sva_fail(a, status);
 }
 
-static inline sv_status SV_CALL sva_slab(const sv_plugin *plugin, const sv_slab *slab) {
-    sva *a = sva_enter(plugin);
+static inline sv_status SV_CALL sva_begin(const sv_plugin *plugin, const sv_frame *frame) {
+    sva *a = sva_take(plugin, "begin");
+    return a ? sva_leave(a, sva_on_begin(a, frame)) : SV_ERR_STATE;
+}
+
+static inline sv_status sva_on_slab(sva *a, const sv_slab *slab) {
     if (a->state != SVA_SLABS) return sva_wrong_state(a, "slab");
     a->state = SVA_IDLE; /* an error ends the frame */
     sv_status status = sva_check_slab(a, slab);
@@ -163,6 +180,11 @@ static inline sv_status SV_CALL sva_slab(const sv_plugin *plugin, const sv_slab 
     if (a->method->slab) status = sva_heed(a, "slab", a->method->slab(a, slab));
     if (status >= SV_OK) a->state = SVA_SLABS;
     return sva_fail(a, status);
+}
+
+static inline sv_status SV_CALL sva_slab(const sv_plugin *plugin, const sv_slab *slab) {
+    sva *a = sva_take(plugin, "slab");
+    return a ? sva_leave(a, sva_on_slab(a, slab)) : SV_ERR_STATE;
 }
 
 /* The map that a method has filled becomes one that may leave: finite, and 0 where there is no surface. Also
@@ -218,8 +240,7 @@ static inline sv_status sva_deliver(sva *a, const char *call, sv_status status, 
     return status < 0 ? status : sva_give_out(a, call, result);
 }
 
-static inline sv_status SV_CALL sva_end(const sv_plugin *plugin, const sv_result *result) {
-    sva *a = sva_enter(plugin);
+static inline sv_status sva_on_end(sva *a, const sv_result *result) {
     if (a->state != SVA_SLABS) return sva_wrong_state(a, "end");
     a->state = SVA_IDLE;
     sv_status status = sva_check_end(a, result);
@@ -230,9 +251,13 @@ static inline sv_status SV_CALL sva_end(const sv_plugin *plugin, const sv_result
     return sva_fail(a, status);
 }
 
-static inline sv_status SV_CALL sva_adjust(const sv_plugin *plugin, const sv_param_value *values,
-                                           uint32_t value_count, const sv_result *result) {
-    sva *a = sva_enter(plugin);
+static inline sv_status SV_CALL sva_end(const sv_plugin *plugin, const sv_result *result) {
+    sva *a = sva_take(plugin, "end");
+    return a ? sva_leave(a, sva_on_end(a, result)) : SV_ERR_STATE;
+}
+
+static inline sv_status sva_on_adjust(sva *a, const sv_param_value *values, uint32_t value_count,
+                                      const sv_result *result) {
     if (a->state != SVA_FINISHED) return sva_wrong_state(a, "adjust");
     memcpy(a->values, a->framed, a->method->param_count * sizeof *a->values);
     sv_status status = sva_take_values(a, "adjust", values, value_count, SV_PARAM_ADJUST);
@@ -243,22 +268,16 @@ static inline sv_status SV_CALL sva_adjust(const sv_plugin *plugin, const sv_par
     return sva_fail(a, sva_deliver(a, "adjust", status, result));
 }
 
+static inline sv_status SV_CALL sva_adjust(const sv_plugin *plugin, const sv_param_value *values,
+                                           uint32_t value_count, const sv_result *result) {
+    sva *a = sva_take(plugin, "adjust");
+    return a ? sva_leave(a, sva_on_adjust(a, values, value_count, result)) : SV_ERR_STATE;
+}
+
 /* --------------------------------------------------------------------------------------------- any -- */
 
 static inline uint32_t SV_CALL sva_param_count(const sv_plugin *plugin) {
     return ((const sva *)plugin->plugin_data)->method->param_count;
-}
-
-/* A call from any thread only logs. */
-SVA_PRINTF(3, 4)
-static inline sv_status sva_tell(const sva *a, sv_status status, const char *format, ...) {
-    char text[256];
-    va_list args;
-    va_start(args, format);
-    sva_print(text, sizeof text, format, args);
-    va_end(args);
-    sva_log(a, SV_LOG_HOST_MISBEHAVING, text);
-    return status;
 }
 
 static inline sv_status SV_CALL sva_param_info(const sv_plugin *plugin, uint32_t index, sv_param_info *out) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What smartvis_plugin.h demands of a host, checked once at the edge: every struct and every value. A part of
- * smartvis/author.h; a method does not call it.
+ * What smartvis_plugin.h demands of a host, checked once at the edge: every struct, every value, and one call
+ * at a time. A part of smartvis/author.h; a method does not call it.
  */
 #ifndef SMARTVIS_AUTHOR_CHECKS_H
 #define SMARTVIS_AUTHOR_CHECKS_H
@@ -258,6 +258,48 @@ static inline sv_status sva_check_end(sva *a, const sv_result *r) {
     if (a->next_slice == a->format.slices) return sva_check_result(a, "end", r);
     return sva_blame(a, SV_ERR_SLAB_MISSING, "end: %u of %u slices came", (unsigned)a->next_slice,
                      (unsigned)a->format.slices);
+}
+
+/* ---------------------------------------------------------------------------------- one call at a time -- */
+
+static inline sva *sva_enter(const sv_plugin *plugin) {
+    sva *a = (sva *)plugin->plugin_data;
+    a->reason[0] = '\0';
+    return a;
+}
+
+/* A call from any thread only logs. */
+SVA_PRINTF(3, 4)
+static inline sv_status sva_tell(const sva *a, sv_status status, const char *format, ...) {
+    char text[256];
+    va_list args;
+    va_start(args, format);
+    sva_print(text, sizeof text, format, args);
+    va_end(args);
+    sva_log(a, SV_LOG_HOST_MISBEHAVING, text);
+    return status;
+}
+
+#if defined(_MSC_VER) && !defined(__clang__)
+long _InterlockedCompareExchange(long volatile *word, long to, long from); /* that compiler's own */
+#endif
+
+/* Of a word that several threads change: to `to` if it is `from`. False: it is not. */
+static inline int sva_change(long *word, long from, long to) {
+#if defined(_MSC_VER) && !defined(__clang__)
+    return _InterlockedCompareExchange((volatile long *)word, to, from) == from;
+#else
+    return __atomic_compare_exchange_n(word, &from, to, 0, __ATOMIC_ACQ_REL, __ATOMIC_ACQUIRE);
+#endif
+}
+
+/* Before a [control] or [frame] call, of which the host lets no two overlap. NULL: it did; nothing may be
+ * touched, and the call is SV_ERR_STATE. */
+static inline sva *sva_take(const sv_plugin *plugin, const char *call) {
+    sva *a = (sva *)plugin->plugin_data;
+    if (sva_change(&a->busy, 0, 1)) return sva_enter(plugin);
+    (void)sva_tell(a, SV_ERR_STATE, "%s: comes while another call of this instance is under way", call);
+    return NULL;
 }
 
 SMARTVIS_END_C

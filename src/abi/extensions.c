@@ -11,8 +11,7 @@
 
 #include <string.h>
 
-static sv_status timing_enable(const sv_plugin *plugin, uint32_t on) {
-    sva *a = sva_enter(plugin);
+static sv_status timing_enable_of(sva *a, uint32_t on) {
     sv_instance *in = a->own;
     if (a->state == SVA_INACTIVE) return sva_blame(a, SV_ERR_STATE, "timing: not active");
     sv_timing_reset(&in->timing);
@@ -20,14 +19,23 @@ static sv_status timing_enable(const sv_plugin *plugin, uint32_t on) {
     return SV_OK;
 }
 
-static sv_status timing_stage_times(const sv_plugin *plugin, sv_stage_times *out) {
-    sva *a = sva_enter(plugin);
+static sv_status timing_enable(const sv_plugin *plugin, uint32_t on) {
+    sva *a = sva_take(plugin, "timing");
+    return a ? sva_leave(a, timing_enable_of(a, on)) : SV_ERR_STATE;
+}
+
+static sv_status timing_stage_times_of(sva *a, sv_stage_times *out) {
     sv_instance *in = a->own;
     if (!out) return sva_blame(a, SV_ERR_ARGUMENT, "stage_times: out is NULL");
     if (out->size < sizeof *out)
         return sva_blame(a, SV_ERR_SIZE, "stage_times: size is %u, expected at least %zu", out->size,
                          sizeof *out);
     return sv_timing_read(&in->timing, a, out);
+}
+
+static sv_status timing_stage_times(const sv_plugin *plugin, sv_stage_times *out) {
+    sva *a = sva_take(plugin, "stage_times");
+    return a ? sva_leave(a, timing_stage_times_of(a, out)) : SV_ERR_STATE;
 }
 
 static const sv_ext_timing ext_timing = {
@@ -41,8 +49,7 @@ static sv_status points_none(sva *a) {
 }
 
 /* On the frame path: like end, it waits for nothing but a queue of the plugin's own. */
-static sv_status points_write(const sv_plugin *plugin, sv_points_report *out) {
-    sva *a = sva_enter(plugin);
+static sv_status points_write_of(sva *a, sv_points_report *out) {
     sv_instance *in = a->own;
     if (!out) return sva_blame(a, SV_ERR_ARGUMENT, "points: out is NULL");
     if (out->size < sizeof *out)
@@ -55,6 +62,11 @@ static sv_status points_write(const sv_plugin *plugin, sv_points_report *out) {
     return sva_cl_check(a, clFinish(in->device.queue), "points: clFinish");
 }
 
+static sv_status points_write(const sv_plugin *plugin, sv_points_report *out) {
+    sva *a = sva_take(plugin, "points");
+    return a ? sva_leave(a, points_write_of(a, out)) : SV_ERR_STATE;
+}
+
 static const sv_ext_points ext_points = {.size = sizeof ext_points, .write = points_write};
 
 static sv_status confidence_ready(sva *a) {
@@ -64,8 +76,7 @@ static sv_status confidence_ready(sva *a) {
     return sva_blame(a, SV_ERR_STATE, "confidence: no finished frame with a method that gives it");
 }
 
-static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
-    sva *a = sva_enter(plugin);
+static sv_status confidence_read_of(sva *a, float *map, sv_confidence_report *out) {
     sv_instance *in = a->own;
     const size_t oldest_size = offsetof(sv_confidence_report, reason); /* what an older host knows */
     sv_confidence_report all = {.size = sizeof all};
@@ -83,6 +94,11 @@ static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confide
     return SV_OK;
 }
 
+static sv_status confidence_read(const sv_plugin *plugin, float *map, sv_confidence_report *out) {
+    sva *a = sva_take(plugin, "confidence");
+    return a ? sva_leave(a, confidence_read_of(a, map, out)) : SV_ERR_STATE;
+}
+
 static uint32_t confidence_offered(const sv_plugin *plugin) {
     const sva *a = plugin->plugin_data;
     const sv_instance *in = a->own;
@@ -90,9 +106,7 @@ static uint32_t confidence_offered(const sv_plugin *plugin) {
 }
 
 /* On the frame path: like end, it waits for nothing but a queue of the plugin's own. */
-static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
-                                  uint64_t offset) {
-    sva *a = sva_enter(plugin);
+static sv_status confidence_write_of(sva *a, float *map, struct _cl_mem *object, uint64_t offset) {
     sv_instance *in = a->own;
     const sv_result to = {.size = sizeof to, .depth = map, .depth_object = object, .depth_offset = offset};
     sv_status status = confidence_ready(a);
@@ -102,6 +116,12 @@ static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _c
                                      sva_rays(a) * sizeof(float), SV_ERR_ARGUMENT);
     if (status != SV_OK) return status;
     return sv_pipeline_confidence(&in->pipeline, map, object, offset, in->device.owned);
+}
+
+static sv_status confidence_write(const sv_plugin *plugin, float *map, struct _cl_mem *object,
+                                  uint64_t offset) {
+    sva *a = sva_take(plugin, "confidence");
+    return a ? sva_leave(a, confidence_write_of(a, map, object, offset)) : SV_ERR_STATE;
 }
 
 static const sv_ext_confidence ext_confidence = {.size = sizeof ext_confidence,
@@ -137,9 +157,8 @@ static sv_status plan(sva *a, const sv_format *format, const sv_param_value *lis
 }
 
 /* Makes no OpenCL call: pipeline and methods only count. */
-static sv_status needs_of(const sv_plugin *plugin, const sv_format *format, const sv_param_value *values,
-                          uint32_t value_count, const sv_needs_device *device, sv_needs *out) {
-    sva *a = sva_enter(plugin);
+static sv_status needs_by(sva *a, const sv_format *format, const sv_param_value *values, uint32_t value_count,
+                          const sv_needs_device *device, sv_needs *out) {
     double room[2][SV_PARAM_COUNT];
     sva planned = *a;
     planned.fixed = room[0];
@@ -162,6 +181,12 @@ static sv_status needs_of(const sv_plugin *plugin, const sv_format *format, cons
     all.size = out->size;
     *out = all;
     return SV_OK;
+}
+
+static sv_status needs_of(const sv_plugin *plugin, const sv_format *format, const sv_param_value *values,
+                          uint32_t value_count, const sv_needs_device *device, sv_needs *out) {
+    sva *a = sva_take(plugin, "needs");
+    return a ? sva_leave(a, needs_by(a, format, values, value_count, device, out)) : SV_ERR_STATE;
 }
 
 static const sv_ext_needs ext_needs = {.size = sizeof ext_needs, .of = needs_of};

@@ -321,4 +321,56 @@ static void wrong_tables(void **state) {
     assert_null(p);
 }
 
-UNIT_MAIN(NULL, NULL, a_method_that_fails, parameters, voxels_and_ranges, where_the_probe_is, wrong_tables)
+/* ---- calls that overlap, here one within the other */
+
+static const char *beside; /* the call that comes while finish is under way */
+static sv_status answered;
+
+static sv_status call_beside(const sv_plugin *p) {
+    const sv_format format = small_format();
+    const sv_slab slab = {
+        .size = sizeof slab, .slice_count = SLICES, .memory = volume, .bytes = sizeof volume};
+    const sv_result result = {.size = sizeof result, .depth = depth};
+    if (!strcmp(beside, "activate")) return p->activate(p, &format);
+    if (!strcmp(beside, "begin")) return begin(p, NULL, 0);
+    if (!strcmp(beside, "slab")) return p->slab(p, &slab);
+    if (!strcmp(beside, "end")) return p->end(p, &result);
+    if (!strcmp(beside, "adjust")) return p->adjust(p, NULL, 0, &result);
+    if (!strcmp(beside, "deactivate")) p->deactivate(p);
+    if (!strcmp(beside, "destroy")) p->destroy(p);
+    return SV_ERR_STATE; /* of these two nobody hears but the log */
+}
+
+static sv_status disturbed_finish(sva *a, float *map) {
+    answered = call_beside(&a->api);
+    assert_int_equal(deactivated, 0);
+    return on_finish(a, map);
+}
+
+static void calls_that_overlap(void **state) {
+    static const char *const calls[] = {"activate", "begin",      "slab",   "end",
+                                        "adjust",   "deactivate", "destroy"};
+    sva_method method = own_method;
+    method.finish = disturbed_finish;
+    for (size_t n = 0; n < sizeof calls / sizeof *calls; n++) {
+        const sv_plugin *p = make(&method);
+        beside = calls[n];
+        assert_int_equal(activate_at(p, NOWHERE), SV_OK);
+        last_log[0] = '\0';
+        assert_int_equal(frame(p), SV_OK);
+        for (int i = 0; i < RAYS; i++) assert_true(depth[i] == 3.0f);
+        assert_int_equal(answered, SV_ERR_STATE);
+        const char *expected = "%s: comes while another call of this instance is under way";
+        const int destroyed = !strcmp(beside, "destroy"); /* when the call has ended */
+        if (!destroyed) assert_string_equal(last_log, unit_text(expected, beside));
+        assert_int_equal(deactivated, destroyed);
+        if (destroyed) continue;
+        beside = "";
+        assert_int_equal(frame(p), SV_OK);
+        p->deactivate(p);
+        p->destroy(p);
+    }
+}
+
+UNIT_MAIN(NULL, NULL, a_method_that_fails, calls_that_overlap, parameters, voxels_and_ranges,
+          where_the_probe_is, wrong_tables)
