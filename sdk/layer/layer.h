@@ -23,6 +23,7 @@
 #include "smartvis/points.h"
 #include "smartvis/timing.h"
 
+#include <pthread.h>
 #include <stdatomic.h>
 
 typedef struct ly_watch ly_watch;
@@ -68,8 +69,9 @@ typedef struct {
 
     /* Belongs to the call under way. */
     rule_sink called;
-    bool found;     /* a rule was broken */
-    rule_name owed; /* the plugin's rule that asks for an error; RULE_COUNT: by the error */
+    pthread_t begun_by; /* the thread whose frame it is */
+    bool found;         /* a rule was broken */
+    rule_name owed;     /* the plugin's rule that asks for an error; RULE_COUNT: by the error */
     uint32_t mistakes[LY_MISTAKES], mistake_count; /* of the host that were foretold: hashes of why */
     sv_status stopped; /* what a call returns that was stopped, SV_OK if it was not */
     char reason[512];  /* for last_error, of a call that was stopped */

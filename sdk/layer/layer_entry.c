@@ -168,13 +168,14 @@ static void SV_CALL ly_destroy(const sv_plugin *plugin) {
     size_t used = 0;
     int32_t severity = SV_LOG_PLUGIN_MISBEHAVING;
     if (!i) return;
-    const bool alone = !atomic_flag_test_and_set(&i->busy);
-    if (!alone)
+    if (atomic_flag_test_and_set(&i->busy)) { /* the other call needs it */
         rule_tell(&i->asked, RULE_host_threads,
                   "destroy: comes while another call of this instance is under way");
+        return;
+    }
     (void)ly_due_host(i, &(rc_call){.kind = RC_DESTROY});
     ly_watch_close(i->watch);
-    if (i->record && alone)
+    if (i->record)
         rec_before(i->record, &(rc_call){.kind = RC_DESTROY, .plugin = i->inner, .start_ns = ly_now()});
     i->inner->destroy(i->inner);
     for (int n = 0; n < RULE_COUNT && used < sizeof text - 60; n++) {
@@ -185,7 +186,7 @@ static void SV_CALL ly_destroy(const sv_plugin *plugin) {
         if (rule_is_hosts((rule_name)n)) severity = SV_LOG_HOST_MISBEHAVING;
     }
     if (used) ly_log(i, severity, "rules that were broken, and how often: %s", text);
-    if (alone) release(i); /* else the other call still needs it */
+    release(i);
 }
 
 static void check_host(const rule_sink *to, const sv_host *h) {

@@ -46,7 +46,7 @@ static void need_report(call *c, const uint32_t *out) {
 
 /* True if the plugin is not asked. */
 static bool is_stopped(const call *c) {
-    return c->i->stops && (!c->entered || c->i->stopped != SV_OK);
+    return !c->entered || (c->i->stops && c->i->stopped != SV_OK);
 }
 
 static void judge(call *c, sv_status status) {
@@ -65,7 +65,7 @@ static sv_status leave(call *c, sv_status status) {
     ly_instance *i = c->i;
     if (c->entered && !is_stopped(c)) judge(c, status);
     if (c->entered && i->stopped != SV_OK) status = i->stopped = c->due != SV_OK ? c->due : i->stopped;
-    if (!c->entered && i->stops) status = SV_ERR_STATE;
+    if (!c->entered) status = SV_ERR_STATE;
     ly_leave(i, c->entered);
     return status;
 }

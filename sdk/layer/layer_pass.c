@@ -160,11 +160,24 @@ static void undo_activate(ly_instance *i) {
     make_call(i, &c, SV_OK);
 }
 
+/* Where calls of several threads overlap, they follow each other, too, and a frame may get another's slabs.
+ */
+static bool is_anothers_frame(ly_instance *i, const rc_call *c) {
+    if (c->kind == RC_BEGIN) i->begun_by = pthread_self();
+    if (!is_frames(c->kind) || !ly_is_lost(i) || pthread_equal(i->begun_by, pthread_self())) return false;
+    rule_tell(&i->called, RULE_host_threads, "%s: calls overlap, and another thread began the frame",
+              rc_names[c->kind]);
+    return true;
+}
+
 static sv_status pass(ly_instance *i, rc_call *c) {
-    if (!ly_enter(i, rc_names[c->kind])) {
-        const sv_status beside = i->stops && c->kind != RC_DEACTIVATE ? SV_ERR_STATE : forward(i->inner, c);
+    if (!ly_enter(i, rc_names[c->kind])) { /* of two maps neither would be right */
         ly_leave(i, false);
-        return beside;
+        return SV_ERR_STATE;
+    }
+    if (is_anothers_frame(i, c)) {
+        ly_leave(i, true);
+        return SV_ERR_STATE;
     }
     const uint32_t came = atomic_load(&i->came);
     const bool alone = atomic_load(&i->beside) == 0;

@@ -9,6 +9,7 @@
 #include "support/unit.h"
 
 #include <math.h>
+#include <pthread.h>
 
 /* ---- what a host does that is wrong */
 static void unknown_id(layer_subject *s) {
@@ -27,13 +28,28 @@ static void active_destroy(layer_subject *s) {
 }
 static void second_call(void *context) {
     layer_subject *s = context;
-    (void)s->p->adjust(s->p, NULL, 0, NULL);
+    assert_int_equal(s->p->adjust(s->p, NULL, 0, NULL), SV_ERR_STATE);
 }
 static void call_in_call(layer_subject *s) {
     assert_int_equal(layer_activate(s), SV_OK);
     s->on_log = second_call; /* the plugin tells of the flags, and the host answers with another call */
     s->frame.flags = 0x80;
     (void)layer_begin(s);
+}
+/* A frame of this thread, which another one ends. */
+static void *end_elsewhere(void *context) {
+    assert_int_equal(layer_end(context), SV_ERR_STATE);
+    return NULL;
+}
+static void anothers_frame(layer_subject *s) {
+    pthread_t other;
+    call_in_call(s);
+    s->frame.flags = 0;
+    assert_int_equal(layer_begin(s), SV_OK);
+    for (uint32_t n = 0; n < SLABS; n++) assert_int_equal(layer_slab(s, n), SV_OK);
+    assert_int_equal(pthread_create(&other, NULL, end_elsewhere, s), 0);
+    assert_int_equal(pthread_join(other, NULL), 0);
+    assert_true(layer_end(s) >= SV_OK);
 }
 static void short_slab(layer_subject *s) {
     layer_start(s, 0);
@@ -233,6 +249,7 @@ static const struct {
     {RULE_host_states, CPU, early_slab, "slab: the instance is active, and no frame is under way"},
     {RULE_host_states, CPU, active_destroy, "destroy: the instance is active"},
     {RULE_host_threads, CPU, call_in_call, "adjust: comes while another call"},
+    {RULE_host_threads, CPU, anothers_frame, "end: calls overlap, and another thread began the frame"},
     {RULE_host_sizes, CPU, short_slab, "size is 8"},
     {RULE_host_reserved, CPU, reserved_field, "slab: reserved is 3"},
     {RULE_host_format, CPU, narrow_tiles, "tile_w is 23"},
