@@ -4,10 +4,10 @@
  * be ended with all that it started, and how it ended is a value and a sentence. It protects from mistakes,
  * not from attacks: the code runs with the user's rights.
  *
- * The child is a program with arguments, most often this program once more. It dies with its parent, leaves
- * no core dump and reads nothing from the terminal. What it has started ends with it: on Linux in whatever
- * session, for this process and the child are subreapers, so orphans come to one of them; on Windows by a
- * job. Parent and child talk through a channel that keeps messages apart.
+ * The child is a program with arguments, most often this program once more; one that calls hs_child_take. It
+ * dies with its parent, whatever ends that, leaves no core dump and reads nothing from the terminal. What it
+ * has started ends with it: on Linux in whatever session (child_keeper.h), on Windows by a job. Parent and
+ * child talk through a channel that keeps messages apart.
  */
 #pragma once
 
@@ -54,7 +54,7 @@ typedef struct {
     intptr_t process;   /* 0: none, or it ended; on Linux its id */
     intptr_t channel;   /* the parent's end; valid while there is a child and until hs_child_close */
     intptr_t output;    /* what it prints comes out here; -1: nothing more */
-    intptr_t job, bell; /* Windows' own */
+    intptr_t job, bell; /* the system's own */
     uint64_t said;
     hs_child_limits limits;
     hs_child_end end;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "guard/child_keeper.h"
 #include "guard/child_system.h"
 
 #include <dirent.h>
@@ -12,13 +13,16 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #define MAX_CHILDREN 64
 #define MAX_LOOKS    100 /* for strays, however fast they multiply */
 #define CHANNEL      3   /* its descriptor in the child; what is passed comes behind it */
-#define ABOVE_PASSED 64  /* descriptors are moved up there first, so that none lands on another */
+#define MAX_HANDED   (HS_CHILD_MAX_PASSED + 2u) /* the channel, what is passed, and the line */
+/* Descriptors are moved up there first, so that none lands on another. */
+#define ABOVE_HANDED (CHANNEL + (int)MAX_HANDED)
 
 /* ------------------------------------------------------------------------------------ what it leaves -- */
 
@@ -89,8 +93,7 @@ static bool end_strays(void) {
     return found;
 }
 
-/* Ends what a child has left behind; it must have been collected. */
-static void end_leftovers(pid_t pid) {
+void hs_child_end_leftovers(pid_t pid) {
     (void)kill(-pid, SIGKILL);
     (void)pthread_mutex_lock(&starting);
     (void)replace_living(pid, 0);
@@ -102,12 +105,11 @@ static void end_leftovers(pid_t pid) {
 /* ------------------------------------------------------------------------------------ in the child -- */
 
 /* Between fork and what comes next: calls that are safe there only. */
-static void prepare_child(pid_t parent) {
-    static const int reset[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL};
+static void prepare_child(void) {
+    static const int reset[] = {SIGINT, SIGTERM, SIGHUP,  SIGPIPE, SIGSEGV,
+                                SIGBUS, SIGFPE,  SIGABRT, SIGILL,  SIGCHLD};
     sigset_t none;
     (void)setpgid(0, 0);
-    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(0); /* the parent died before that took hold */
     for (size_t i = 0; i < sizeof reset / sizeof *reset; i++) (void)signal(reset[i], SIG_DFL);
     (void)sigemptyset(&none);
     (void)sigprocmask(SIG_SETMASK, &none, NULL);
@@ -115,18 +117,18 @@ static void prepare_child(pid_t parent) {
     if (nothing >= 0) (void)dup2(nothing, STDIN_FILENO);
 }
 
-/* Puts the channel and what is passed where the program looks for them. False with errno. */
-static bool arrange(int channel, int output, const intptr_t *passed, uint32_t count) {
-    int high[HS_CHILD_MAX_PASSED + 1];
+/* Puts what is handed over where the program looks for it. False with errno. */
+static bool arrange(const int *handed, uint32_t count, int output) {
+    int high[MAX_HANDED];
     if (output >= 0 && (dup2(output, STDERR_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0)) return false;
-    for (uint32_t i = 0; i <= count; i++) {
-        high[i] = fcntl(i ? (int)passed[i - 1] : channel, F_DUPFD_CLOEXEC, ABOVE_PASSED);
+    for (uint32_t i = 0; i < count; i++) {
+        high[i] = fcntl(handed[i], F_DUPFD_CLOEXEC, ABOVE_HANDED);
         if (high[i] < 0) return false;
     }
-    for (uint32_t i = 0; i <= count; i++)
+    for (uint32_t i = 0; i < count; i++)
         if (dup2(high[i], CHANNEL + (int)i) < 0) return false;
     /* What a library of the parent left open without CLOEXEC; on an old kernel it stays open. */
-    (void)close_range(CHANNEL + 1u + count, ~0u, CLOSE_RANGE_CLOEXEC);
+    (void)close_range(CHANNEL + count, ~0u, CLOSE_RANGE_CLOEXEC);
     return true;
 }
 
@@ -146,25 +148,25 @@ static bool open_output(hs_child_output where, int output[2], hs_error *err) {
 }
 
 /* The new process: becomes the program, or writes errno to `report`. */
-static _Noreturn void become(const char *program, char *const argv[], int channel, int output,
-                             const intptr_t *passed, uint32_t count, int report) {
+static _Noreturn void become(const char *program, char *const argv[], const int *handed, uint32_t count,
+                             int output, int report) {
     /* Above what arrange overwrites. */
-    const int safe = fcntl(report, F_DUPFD_CLOEXEC, ABOVE_PASSED);
-    if (safe >= 0 && arrange(channel, output, passed, count)) (void)execv(program, argv);
+    const int safe = fcntl(report, F_DUPFD_CLOEXEC, ABOVE_HANDED);
+    if (safe >= 0 && arrange(handed, count, output)) (void)execv(program, argv);
     const int reason = errno;
     (void)!write(safe >= 0 ? safe : report, &reason, sizeof reason);
     _exit(127);
 }
 
 /* fork and exec. The pipe `report` closes without a word where exec succeeds. */
-static bool launch(hs_child *child, const char *program, char *const argv[], int channel, int output,
-                   const intptr_t *passed, uint32_t count, hs_error *err) {
+static bool launch(hs_child *child, const char *program, char *const argv[], const int *handed,
+                   uint32_t count, int output, hs_error *err) {
     int report[2], reason = 0;
     if (pipe2(report, O_CLOEXEC) != 0) return refuse("no pipe", err);
-    const pid_t parent = getpid(), pid = fork_child();
+    const pid_t pid = fork_child();
     if (pid == 0) {
-        prepare_child(parent);
-        become(program, argv, channel, output, passed, count, report[1]);
+        prepare_child();
+        become(program, argv, handed, count, output, report[1]);
     }
     bool ok = pid > 0 || refuse("cannot be started", err);
     if (ok) (void)setpgid(pid, pid); /* as the child does: whoever comes first */
@@ -172,37 +174,47 @@ static bool launch(hs_child *child, const char *program, char *const argv[], int
     child->process = pid;
     if (ok && read(report[0], &reason, sizeof reason) == (ssize_t)sizeof reason) {
         (void)waitpid(pid, NULL, 0);
-        end_leftovers(pid);
+        hs_child_end_leftovers(pid);
         ok = hs_fail(err, HS_ERR_INPUT, "%s: cannot be run: %s", program, strerror(reason));
     }
     (void)close(report[0]);
     return ok;
 }
 
+/* Two ends that no further process inherits. */
+static bool open_pair(int kind, int ends[2], hs_error *err) {
+    return socketpair(AF_UNIX, kind | SOCK_CLOEXEC, 0, ends) == 0 || refuse("no channel", err);
+}
+
 bool hs_process_start(hs_child *child, const char *program, char **argv, uint32_t argc,
                       const intptr_t *passed, uint32_t passed_count, hs_error *err) {
-    intptr_t places[HS_CHILD_HANDLES] = {CHANNEL, CHANNEL};
-    int ends[2] = {-1, -1}, output[2] = {-1, -1};
+    intptr_t places[HS_CHILD_HANDLES] = {CHANNEL, CHANNEL + 1 + (int)passed_count};
+    int ends[2] = {-1, -1}, line[2] = {-1, -1}, output[2] = {-1, -1}, handed[MAX_HANDED];
     char mark[64];
     for (uint32_t i = 0; i < passed_count; i++) places[2 + i] = CHANNEL + 1 + (int)i;
     hs_child_mark(mark, sizeof mark, places, 2 + passed_count);
     argv[argc - 1] = mark;
-    const bool ok =
-        (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0 || refuse("no channel", err)) &&
-        open_output(child->limits.output, output, err) &&
-        launch(child, program ? program : "/proc/self/exe", argv, ends[1], output[1], passed, passed_count,
-               err);
+    bool ok = open_pair(SOCK_SEQPACKET, ends, err) && open_pair(SOCK_STREAM, line, err) &&
+              open_output(child->limits.output, output, err);
+    handed[0] = ends[1];
+    for (uint32_t i = 0; i < passed_count; i++) handed[1 + i] = (int)passed[i];
+    handed[1 + passed_count] = line[1];
+    ok = ok &&
+         launch(child, program ? program : "/proc/self/exe", argv, handed, 2 + passed_count, output[1], err);
     child->channel = ends[0];
+    child->bell = line[0];
     child->output = output[0];
-    if (ends[1] >= 0) (void)close(ends[1]);
-    if (output[1] >= 0) (void)close(output[1]);
-    if (!ok && ends[0] >= 0) hs_process_close(child);
+    const int theirs[] = {ends[1], line[1], output[1]};
+    for (size_t i = 0; i < sizeof theirs / sizeof *theirs; i++)
+        if (theirs[i] >= 0) (void)close(theirs[i]);
+    if (!ok) hs_process_close(child);
     return ok;
 }
 
 void hs_process_close(hs_child *child) {
-    (void)close((int)child->channel);
-    if (child->output >= 0) (void)close((int)child->output);
+    const intptr_t ours[] = {child->channel, child->bell, child->output};
+    for (size_t i = 0; i < sizeof ours / sizeof *ours; i++)
+        if (ours[i] >= 0) (void)close((int)ours[i]);
     child->output = -1;
 }
 
@@ -212,7 +224,7 @@ bool hs_process_collect(hs_child *child, bool waits, hs_child_end *end, bool *ki
     int status = 0;
     const pid_t pid = (pid_t)child->process, got = waitpid(pid, &status, waits ? 0 : WNOHANG);
     if (got == 0 || (got < 0 && errno == EINTR)) return false;
-    end_leftovers(pid);
+    hs_child_end_leftovers(pid);
     *killed = got < 0 || (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
     const bool left = got < 0 || WIFEXITED(status);
     end->fate = left ? HS_CHILD_LEFT : HS_CHILD_CRASHED;
@@ -225,10 +237,11 @@ void hs_process_kill(hs_child *child) {
     (void)kill((pid_t)child->process, SIGKILL); /* if it left its group */
 }
 
-uint64_t hs_process_memory(const hs_child *child) {
+uint64_t hs_process_memory(hs_child *child) {
     char text[128];
     unsigned long long resident = 0, shared = 0;
-    read_proc(child->process, "statm", text, sizeof text);
+    if (child->job == 0) child->job = hs_child_worker((int)child->bell);
+    read_proc(child->job ? child->job : child->process, "statm", text, sizeof text);
     if (sscanf(text, "%*u %llu %llu", &resident, &shared) != 2 || resident < shared) return 0;
     return (uint64_t)(resident - shared) * (uint64_t)sysconf(_SC_PAGESIZE);
 }
@@ -270,6 +283,11 @@ void hs_process_tell_crash(int number, char *out, size_t bytes) {
 }
 
 /* ------------------------------------------------------------------------------------ being a child -- */
+
+bool hs_child_is_channel(intptr_t handle) {
+    struct stat facts;
+    return fstat((int)handle, &facts) == 0 && S_ISSOCK(facts.st_mode);
+}
 
 bool hs_child_send(intptr_t channel, const void *message, size_t bytes) {
     ssize_t sent;

@@ -20,18 +20,28 @@ void hs_child_mark(char *out, size_t bytes, const intptr_t *list, uint32_t count
         used += snprintf(out + used, bytes - (size_t)used, "%s%" PRIdPTR, i ? "," : "", list[i]);
 }
 
-bool hs_child_take(int *argc, char **argv) {
-    const char *last = *argc > 1 ? argv[*argc - 1] : "";
-    own_arguments = argv;
-    if (strncmp(last, MARK, strlen(MARK)) != 0) return false;
-    last += strlen(MARK) - 1;
-    while (*last && handle_count < HS_CHILD_HANDLES) {
+/* The handles of a mark. False: it is none, but an argument that begins as one. */
+static bool read_mark(const char *at) {
+    uint32_t count = 0;
+    if (strncmp(at, MARK, strlen(MARK)) != 0) return false;
+    at += strlen(MARK) - 1;
+    do {
         char *end;
-        handles[handle_count++] = (intptr_t)strtoll(last + 1, &end, 10);
-        last = end;
-    }
+        if (count == HS_CHILD_HANDLES || at[1] < '0' || at[1] > '9') return false;
+        handles[count++] = (intptr_t)strtoll(at + 1, &end, 10);
+        at = end;
+    } while (*at == ',');
+    if (*at || count < 2 || !hs_child_is_channel(handles[0])) return false;
+    handle_count = count;
+    return true;
+}
+
+bool hs_child_take(int *argc, char **argv) {
+    own_arguments = argv;
+    if (*argc < 2 || !read_mark(argv[*argc - 1])) return false;
     argv[--*argc] = NULL;
     sys_end_at_fault();
+    hs_child_settle();
     return true;
 }
 

@@ -4,7 +4,8 @@
 
 #include "guard/child.h"
 
-/* The channel, what is rung with a message, and what is passed. */
+/* The channel, the system's own (Windows: what is rung with a message; Linux: the keeper's line), and what is
+ * passed. */
 #define HS_CHILD_HANDLES (HS_CHILD_MAX_PASSED + 2u)
 
 /* The argument by which a child finds its handles. */
@@ -15,6 +16,12 @@ char **hs_child_arguments(void);
 
 /* In a child: handle n of these. */
 intptr_t hs_child_handle(uint32_t n);
+
+/* True if this process could have been handed that as its channel. */
+bool hs_child_is_channel(intptr_t handle);
+
+/* In a child, before it does anything else. */
+void hs_child_settle(void);
 
 /* Fills in process, channel, output, job and bell. argv[argc - 1] is free for the mark. */
 bool hs_process_start(hs_child *child, const char *program, char **argv, uint32_t argc,
@@ -37,7 +44,7 @@ void hs_process_pause(const hs_child *child, int ms);
 ptrdiff_t hs_process_read(hs_child *child, char *text, size_t bytes);
 
 /* Bytes of memory that the child shares with nobody; 0 if the system does not tell. */
-uint64_t hs_process_memory(const hs_child *child);
+uint64_t hs_process_memory(hs_child *child);
 
 /* "crashed: SIGSEGV". */
 void hs_process_tell_crash(int number, char *out, size_t bytes);

@@ -204,7 +204,7 @@ void hs_process_kill(hs_child *child) {
 }
 
 /* Windows 7 tells one, wine the other, newer Windows both. */
-uint64_t hs_process_memory(const hs_child *child) {
+uint64_t hs_process_memory(hs_child *child) { /* NOLINT(readability-non-const-parameter) */
     PROCESS_MEMORY_COUNTERS_EX taken = {.cb = sizeof taken};
     (void)GetProcessMemoryInfo((HANDLE)child->process, (PROCESS_MEMORY_COUNTERS *)&taken, sizeof taken);
     return taken.PrivateUsage > taken.PagefileUsage ? taken.PrivateUsage : taken.PagefileUsage;
@@ -258,6 +258,12 @@ void hs_process_tell_crash(int number, char *out, size_t bytes) {
 }
 
 /* ------------------------------------------------------------------------------------ being a child -- */
+
+bool hs_child_is_channel(intptr_t handle) {
+    return GetFileType((HANDLE)handle) == FILE_TYPE_PIPE;
+}
+
+void hs_child_settle(void) {}
 
 bool hs_child_send(intptr_t channel, const void *message, size_t bytes) {
     DWORD sent = 0;

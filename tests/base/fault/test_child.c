@@ -6,10 +6,12 @@
 #include "support/unit.h"
 
 #include <poll.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define MEMORY_LIMIT (64u << 20)
@@ -57,12 +59,11 @@ static int stop_group(intptr_t channel, int value) {
 }
 
 static int with_grandchild(intptr_t channel, int value);
-static int short_parent(intptr_t channel, int value);
 static int echo(intptr_t channel, int value);
 
 /* What a child does is told by its arguments: the number of its work, and a value. */
-static int (*const works[])(intptr_t channel, int value) = {
-    crash, abort_it, leave, hang, grab, silent, stop_group, with_grandchild, short_parent, echo};
+static int (*const works[])(intptr_t channel, int value) = {crash,  abort_it,   leave,           hang, grab,
+                                                            silent, stop_group, with_grandchild, echo};
 
 __attribute__((constructor)) static void be_a_child(int argc, char **argv) {
     if (hs_child_take(&argc, argv)) hs_child_leave(works[atoi(argv[1])](hs_child_passed(0), atoi(argv[2])));
@@ -226,28 +227,98 @@ static void what_it_prints_is_bounded(void **state) {
     (void)close(file);
 }
 
-/* A parent between the test and the child that it tells of; it dies without a word. */
-static int short_parent(intptr_t channel, int value) {
+/* A plain process, under no keeper: starts a child with a child of its own, tells of both, and ends. */
+static _Noreturn void short_parent(int told, int way, int number) {
     hs_child child;
+    pid_t both[2] = {0};
     const hs_child_limits none = {0};
-    start(&child, &none, hang, 0);
-    const pid_t pid = (pid_t)child.process;
-    (void)hs_child_send(channel, &pid, sizeof pid);
-    (void)raise(SIGKILL);
-    return 0;
+    start(&child, &none, with_grandchild, 2 * way);
+    if (hs_child_wait(&child, 30) == HS_CHILD_MESSAGE)
+        (void)hs_child_receive(child.channel, &both[1], sizeof both[1]);
+    both[0] = (pid_t)child.process;
+    (void)!write(told, both, sizeof both);
+    (void)raise(number);
+    _exit(1);
 }
 
-static void it_dies_with_its_parent(void **state) {
-    hs_child parent;
-    pid_t child = 0;
+static void assert_all_end_with(int way, int number) {
+    int told[2], status = 0;
+    pid_t both[2] = {0};
+    assert_int_equal(pipe(told), 0);
+    const pid_t parent = fork();
+    if (parent == 0) short_parent(told[1], way, number);
+    assert_int_equal(read(told[0], both, sizeof both), sizeof both);
+    assert_true(both[0] > 0 && both[1] > 0);
+    assert_int_equal(waitpid(parent, &status, 0), parent);
+    assert_true(WIFSIGNALED(status) && WTERMSIG(status) == number);
+    for (int i = 0; i < 3000 && (runs(both[0]) || runs(both[1])); i++) (void)poll(NULL, 0, 10);
+    assert_false(runs(both[0]) || runs(both[1]));
+    (void)close(told[0]);
+    (void)close(told[1]);
+}
+
+static void all_of_it_dies_with_its_parent(void **state) {
+    static const int numbers[] = {SIGKILL, SIGTERM, SIGINT};
+    for (int way = 0; way < WAYS; way++)
+        for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) assert_all_end_with(way, numbers[n]);
+}
+
+static void *start_one(void *child) {
     const hs_child_limits none = {0};
-    start(&parent, &none, short_parent, 0);
-    assert_int_equal(hs_child_wait(&parent, 30), HS_CHILD_MESSAGE);
-    assert_true(hs_child_receive(parent.channel, &child, sizeof child));
-    hs_child_wait_end(&parent, 30);
-    for (int i = 0; i < 500 && runs(child); i++) (void)poll(NULL, 0, 10);
-    assert_false(runs(child));
-    hs_child_close(&parent);
+    start(child, &none, echo, 0);
+    return NULL;
+}
+
+/* It is bound to the process, and the thread that started it may end. */
+static void the_thread_that_started_it_may_end(void **state) {
+    hs_child child;
+    pthread_t thread;
+    assert_int_equal(pthread_create(&thread, NULL, start_one, &child), 0);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    (void)poll(NULL, 0, 50);
+    for (int number = 3; number >= 0; number -= 3) {
+        assert_true(hs_child_send(child.channel, &number, sizeof number));
+        assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_MESSAGE);
+        int doubled = -1;
+        assert_true(hs_child_receive(child.channel, &doubled, sizeof doubled));
+        assert_int_equal(doubled, 2 * number);
+    }
+    hs_child_close(&child);
+}
+
+/* A service may have 64 descriptors, or fewer. */
+static void few_descriptors_are_enough(void **state) {
+    hs_child child;
+    struct rlimit before;
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+    const struct rlimit few = {40, before.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &few), 0);
+    const hs_child_limits none = {0};
+    start(&child, &none, leave, 9);
+    hs_child_wait_end(&child, 30);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+    assert_int_equal(child.end.number, 9);
+    hs_child_close(&child);
+}
+
+/* What begins as a child's mark is an argument if it is none. */
+static void other_arguments_stay(void **state) {
+    static const char *const texts[] = {"child:",
+                                        "child:x",
+                                        "child:3",
+                                        "child:3,x",
+                                        "child:3,4 ",
+                                        "child:99,99",
+                                        "child:1,2,3,4,5,6,7,8,9,10,11,12"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        char name[] = "program", last[64];
+        char *argv[] = {name, last, NULL};
+        int argc = 2;
+        (void)snprintf(last, sizeof last, "%s", texts[i]);
+        assert_false(hs_child_take(&argc, argv));
+        assert_int_equal(argc, 2);
+        assert_false(hs_child_is_one());
+    }
 }
 
 /* Doubles what it is told, and leaves after a 0. */
@@ -286,11 +357,12 @@ static void messages_travel_whole(void **state) {
     hs_child_close(&child);
 }
 
+/* Behind it, at 6, is the line to the keeper. */
 static void a_program_gets_what_is_passed(void **state) {
     hs_child child;
     const hs_child_limits none = {0};
     char *const argv[] = {
-        "sh", "-c", "read line; [ -z \"$line\" ] && cat <&5 >&4 && [ ! -e /proc/self/fd/6 ] && exit 9", NULL};
+        "sh", "-c", "read line; [ -z \"$line\" ] && cat <&5 >&4 && [ ! -e /proc/self/fd/7 ] && exit 9", NULL};
     char text[16] = "";
     const int from = memfd_create("from", MFD_CLOEXEC), to = memfd_create("to", MFD_CLOEXEC);
     const int left_open = dup(to); /* without CLOEXEC: a careless library */
@@ -321,6 +393,7 @@ static void a_program_that_is_not_there(void **state) {
 }
 
 UNIT_MAIN(NULL, NULL, each_end_has_its_sentence, a_hanging_child_is_ended_in_time,
-          what_it_started_ends_with_it, it_dies_with_its_parent, messages_travel_whole,
+          what_it_started_ends_with_it, all_of_it_dies_with_its_parent, the_thread_that_started_it_may_end,
+          few_descriptors_are_enough, other_arguments_stay, messages_travel_whole,
           a_program_gets_what_is_passed, a_program_that_is_not_there, nobody_else_is_ended,
           what_it_prints_is_bounded)
