@@ -100,6 +100,8 @@ bool sys_program(char *path, size_t bytes) {
 
 char **sys_arguments(int *count, char **argv) { /* NOLINT(readability-non-const-parameter) */
     (void)count;
+    for (int file = 0; file <= 2; file++) /* open takes the lowest that is free */
+        if (fcntl(file, F_GETFD) < 0) (void)!open("/dev/null", O_RDWR);
     return argv;
 }
 

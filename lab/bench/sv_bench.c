@@ -4,6 +4,7 @@
 #include "bench/bench_results.h"
 #include "core/cli.h"
 #include "core/options.h"
+#include "core/system.h"
 #include "guard/child.h"
 #include "guarded/in_child.h"
 
@@ -259,6 +260,7 @@ int main(int argc, char **argv) {
     bool wants_help = false;
     int code = HS_OK;
     bench_run *run = calloc(1, sizeof *run);
+    argv = sys_arguments(&argc, argv);
     (void)hs_child_take(&argc, argv);
     if (!run) {
         (void)hs_fail(&err, HS_ERR_MEMORY, "no memory for the results");

@@ -5,6 +5,7 @@
 
 #include "core/cli.h"
 #include "core/options.h"
+#include "core/system.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -176,6 +177,7 @@ static bool parse(int argc, char **argv, judge_request *r, hs_error *err) {
 int main(int argc, char **argv) {
     judge_request r = {.methods = {.plugin = SURF_PLUGIN}, .wall = wall_change_none()};
     hs_error err = {0};
+    argv = sys_arguments(&argc, argv);
     bool ok = parse(argc, argv, &r, &err);
     if (ok && r.help)
         print_help();
