@@ -18,7 +18,7 @@ clipped = result.apply(volume)
 print(f"{np.count_nonzero(volume == 110)} voxels of skin before, {np.count_nonzero(clipped == 110)} after")
 print(f"{np.count_nonzero(volume == 200)} voxels of the ball before, {np.count_nonzero(clipped == 200)} after")
 
-# A sequence: activated once, nothing is allocated a volume.
+# A sequence: the plugin is activated once.
 with smartvis.Clipper(volume.shape, spacing=(0.8, 0.8, 0.8)) as clipper:
     for shift in range(0, 12, 4):
         depth = clipper(np.roll(volume, shift, axis=2)).depth

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 import smartvis
 from smartvis import _abi, _scene
+from smartvis._instance import Instance
 
 SIZES, SCENE_SIZE, SLICES = (128, 171, 512), 128, 64
 SCENES = ("D01", "E01", "M02")
@@ -111,26 +112,26 @@ def definition(of: Points, variant: Variant) -> NDArray[np.float64]:
 
 def measure(of: Points, variant: Variant, q: float, frames: int, seconds: float) -> dict[str, float]:
     """Times of one variant, and how far its map is from the definition's. RuntimeError: it sees other points."""
-    with smartvis.Clipper(of.volume.shape, buffer=of.volume, q=q, **variant) as clipper:
-        result = clipper(of.volume)
+    with Instance(of.volume.shape, buffer=of.volume, q=q, **variant) as instance:
+        result = instance(of.volume)
         if not result.clips or ((result.status > 0) != (of.status > 0)).any():
             raise RuntimeError(f"{label(variant)}: {result.outcome}, or other initial points than the definition has")
         wall, stage = list[float](), list[float]()
         times = _abi.sized(_abi.sv_stage_times)
-        timing = clipper._extension(_abi.SV_EXT_TIMING, _abi.sv_ext_timing)
+        timing = instance._extension(_abi.SV_EXT_TIMING, _abi.sv_ext_timing)
         begin = time.perf_counter()
         for frame in range(WARM_UP + frames):
             if len(wall) >= LEAST_FRAMES and time.perf_counter() - begin > seconds:
                 break
             start = time.perf_counter()
-            clipper(of.volume)
+            instance(of.volume)
             if frame >= WARM_UP or time.perf_counter() - start > seconds / frames:
                 wall.append(1e3 * (time.perf_counter() - start))
-            timing.enable(clipper._instance, 1)  # apart from the others: events cost time
-            clipper(of.volume)
-            if timing.stage_times(clipper._instance, ctypes.byref(times)) == 0:
+            timing.enable(instance._instance, 1)  # apart from the others: events cost time
+            instance(of.volume)
+            if timing.stage_times(instance._instance, ctypes.byref(times)) == 0:
                 stage.append(times.reconstruct_ms)
-            timing.enable(clipper._instance, 0)
+            timing.enable(instance._instance, 0)
         off = np.abs(result.depth - definition(of, variant))
     return {
         "frame": float(np.median(wall)),

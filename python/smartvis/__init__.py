@@ -7,8 +7,7 @@
 <Outcome.NO_SURFACE: 1>
 """
 
-from ._clip import ClipperCache, clip
-from ._clipper import Clipper
+from ._clip import Clipper, ClipperCache, clip
 from ._errors import HostError, LoadError, MissingExtraError, PluginError, SmartVisError
 from ._plugin import Parameter, Plugin, load, parameters
 from ._products import quick_look

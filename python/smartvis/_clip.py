@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""clip(): one call for one volume. Clippers stay active behind it."""
+"""Clipper: volume after volume as the machine sees them; clip() is one that is used once. Plugins stay active behind
+both."""
 
 from __future__ import annotations
 
@@ -8,23 +9,25 @@ import os
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _abi, _images
-from ._clipper import Clipper, _checked_probe, _checked_spacing
+from . import _abi
+from ._instance import Instance, checked_buffer, checked_probe, checked_shape
 from ._plugin import Plugin, load
 from ._result import Result
-from ._seen import SIDES, Levels, look_bytes
-from ._view import on_grid, rotation_of
-from ._volume import checked_window, what_was_scanned
+from ._seen import SIDES, Grid, Levels, look_bytes
+from ._view import Camera, Shape, on_grid, rotation_of
+from ._volume import Given, checked_spacing, checked_window, given, what_was_scanned
+
+_Marks = list[tuple[tuple[float, ...], bool]]
 
 
 class ClipperCache:
-    """Clippers by format and fixed parameters; the one that was not used for longest goes first. For many
+    """Activated plugins by format and fixed parameters; the one that was not used for longest goes first. For many
     volumes of few formats. Any thread: calls are one after the other. `admit` is told bytes before they are taken, and
     may raise: those of a look (0 needed), and with them later those that the plugin's instance needs."""
 
@@ -32,7 +35,7 @@ class ClipperCache:
         self._most = most
         self.admit = admit
         self._lock = threading.Lock()
-        self._clippers: OrderedDict[Any, Clipper] = OrderedDict()
+        self._instances: OrderedDict[Any, Instance] = OrderedDict()
 
     def run(
         self,
@@ -43,35 +46,41 @@ class ClipperCache:
         parameters: dict[str, object],
         *,
         gaps: bool = False,
-        discontinuity: bool = True,
-        probe: Any = None,
-        beams: Any = None,
+        same_volume: bool = False,
+        **frame: Any,
     ) -> Result:
-        """Clips `volume`; the result is the caller's. `gaps`: between the ends of `scanned`, 0 was not scanned."""
+        """Clips `volume`; the result is the caller's. `gaps`: between the ends of `scanned`, 0 was not scanned. The
+        rest is that of an Instance's call."""
         known = plugin.parameters
         fixed = {k: v for k, v in parameters.items() if k in known and known[k].fixed}
         key = (plugin.path, plugin.id, volume.shape, spacing, scanned is not None, gaps, tuple(sorted(fixed.items())))
         look = look_bytes(volume.shape)
         with self._lock:
-            clipper = self._clippers.pop(key, None)
-            if clipper is None:
-                while len(self._clippers) >= self._most:
-                    self._clippers.popitem(last=False)[1].close()
+            instance = self._instances.pop(key, None)
+            same_volume = same_volume and instance is not None
+            if instance is None:
+                while len(self._instances) >= self._most:
+                    self._instances.popitem(last=False)[1].close()
                 how: dict[str, Any] = {"scanned": scanned is not None, "plugin": plugin} | fixed
                 how["padding"] = 0 if gaps or scanned is None else None  # the machine's 0 was not scanned
-                clipper = Clipper(volume.shape, spacing, admit=lambda needed: self.admit(look, needed), **how)
-            self._clippers[key] = clipper
-            clipper.reset(**parameters)
-            return clipper(volume, scanned, discontinuity=discontinuity, probe=probe, beams=beams).copy()
+                instance = Instance(volume.shape, spacing, admit=lambda needed: self.admit(look, needed), **how)
+            self._instances[key] = instance
+            instance.reset(**parameters)
+            return instance(volume, scanned, same_volume=same_volume, **frame).copy()
+
+    def adjust(self, parameters: dict[str, object]) -> Result:
+        """The volume that was clipped last, with other values of adjustable parameters; the result is the caller's."""
+        with self._lock:
+            return next(reversed(self._instances.values())).adjust(**parameters).copy()
 
     def close(self) -> None:
         """Ends all instances."""
         with self._lock:
-            while self._clippers:
-                self._clippers.popitem()[1].close()
+            while self._instances:
+                self._instances.popitem()[1].close()
 
 
-def _marks(given: Sequence[Sequence[float]], keep: bool) -> list[tuple[tuple[float, ...], bool]]:
+def _marks(given: Sequence[Sequence[float]], keep: bool) -> _Marks:
     """A mark's three or four numbers, each with its kind."""
     marks = [(*map(float, mark), 5.0)[: max(4, len(mark))] for mark in given]
     for mark in marks:
@@ -81,11 +90,11 @@ def _marks(given: Sequence[Sequence[float]], keep: bool) -> list[tuple[tuple[flo
     return [(mark, keep) for mark in marks]
 
 
-def _side(probe: Any) -> str | None:
-    """The volume's side, if it was given as one; ValueError: it has none of this name."""
+def _checked_side(probe: Any) -> Any:
+    """ValueError: it was given as a volume's side, and none has this name."""
     if isinstance(probe, str) and probe not in SIDES:
         raise ValueError(f"probe='{probe}' is none of {', '.join(SIDES)}")
-    return probe if isinstance(probe, str) else None
+    return probe
 
 
 def _only_itself(path: str, spacing: Any, scanned: Any, probe: Any, window: Any) -> None:
@@ -101,6 +110,221 @@ _cache = ClipperCache()
 atexit.register(_cache.close)
 
 
+@dataclass(frozen=True)
+class _Look:
+    """How the machine saw a volume."""
+
+    of: Given
+    levels: Levels
+    grid: Grid
+    camera: Camera
+    known: bool  #: its spacing
+
+
+class Clipper:
+    """Clips volume after volume of one shape, each as `clip` does; the plugin stays activated between them.
+
+    >>> with Clipper((32, 24, 16), spacing=(1, 1, 1)) as clipper:
+    ...     result = clipper(np.zeros((32, 24, 16), np.uint8))
+    >>> result.outcome
+    <Outcome.NO_SURFACE: 1>
+
+    Any thread may call it: calls are one after the other, and a result is the caller's own.
+    """
+
+    def __init__(
+        self,
+        shape: Sequence[int],
+        spacing: Sequence[float] | None = None,
+        *,
+        view: Any = None,
+        scanned: Any = "auto",
+        padding: float | None = None,
+        probe: Any = None,
+        beams: Any = None,
+        method: str | None = None,
+        window: tuple[float, float] | None = None,
+        lowres: int = 0,
+        keep: Sequence[Sequence[float]] = (),
+        remove: Sequence[Sequence[float]] = (),
+        buffer: NDArray[np.uint8] | bool = False,
+        plugin: Plugin | None = None,
+        cache: ClipperCache | None = None,
+        **parameters: object,
+    ) -> None:
+        """`shape`: slices, height, width. `padding`: what was not scanned has this value, instead of `scanned`.
+        `buffer`: True: `self.buffer` is an array for volumes, or an array of uint8 of yours. `beams`: how they run,
+        with the rotation of `probe`: "parallel", or a fan: its apex (x, y, z, mm from the centre of voxel (0, 0, 0)),
+        and mm from there to the sweep's axis. The rest is `clip`'s.
+
+        ValueError: an unknown parameter, an impossible shape. The plugin is activated by the first volume, of whose
+        scan its grid depends.
+        """
+        self._plugin = plugin or load()
+        self._shape = checked_shape(shape)
+        self._spacing = None if spacing is None else checked_spacing(spacing)
+        self._view, self._scanned, self._padding = view, scanned, padding
+        self._probe, self._beams = _checked_side(probe), beams
+        self._window = checked_window(window)
+        self._lowres = lowres
+        self._marks = _marks(remove, False) + _marks(keep, True)
+        self._buffer = np.zeros(self._shape, np.uint8) if buffer is True else checked_buffer(buffer)
+        self._parameters = ({} if method is None else {"method": method}) | parameters
+        self._plugin.encode(self._parameters)
+        self._own_cache = cache is None
+        self._cache = ClipperCache(most=1) if cache is None else cache
+        self._lock = threading.Lock()
+        self._last: _Look | None = None
+        self._closed = False
+
+    def __call__(
+        self,
+        volume: Any,
+        scanned: Any = None,
+        *,
+        view: Any = None,
+        probe: Any = None,
+        beams: Any = None,
+        time_ns: int = 0,
+        discontinuity: bool = True,
+        same_volume: bool = False,
+    ) -> Result:
+        """Clips one volume: an array or a SimpleITK image. `scanned`, `view`, `probe` and `beams` stand instead of the
+        clipper's own. `time_ns`: when it was acquired, 0: unknown. `discontinuity`: False: it continues the volume
+        before, as those of a probe that is held on, and what that taught still holds. `same_volume`: it is the one
+        before, by another camera or with other values."""
+        of = given(volume)
+        if of.voxels.shape != self._shape:
+            raise ValueError(f"the volume has shape {of.voxels.shape}, expected {self._shape}")
+        apart = discontinuity and not same_volume
+        frame = {"time_ns": time_ns, "discontinuity": apart, "same_volume": same_volume}
+        stated = self._probe if probe is None else probe
+        probe = of.probe if stated is None else _checked_side(stated)
+        with self._lock:
+            self._check_open()
+            look = self._look(of, scanned, self._view if view is None else view, probe)
+            self._cache.admit(look_bytes(look.grid.shape), 0)
+            frame |= self._told(look, probe, self._beams if beams is None else beams)
+            return self._finish(look, self._run(look, frame))
+
+    def adjust(self, **parameters: object) -> Result:
+        """The last volume again with other values of adjustable parameters, such as the surface position."""
+        with self._lock:
+            self._check_open()
+            if self._last is None:
+                raise ValueError("there is no volume to adjust yet")
+            return self._finish(self._last, self._cache.adjust(parameters))
+
+    def set(self, **parameters: object) -> None:
+        """Other values from the next volume on."""
+        self._plugin.encode(parameters)
+        self._parameters = self._parameters | parameters
+
+    def reset(self, **parameters: object) -> None:
+        """These values from the next volume on, and the default for every other parameter."""
+        self._plugin.encode(parameters)
+        self._parameters = dict(parameters)
+
+    def close(self) -> None:
+        """Ends the plugin's instance. A closed clipper refuses every call; its results stay."""
+        with self._lock:
+            self._closed, self._last = True, None
+            if self._own_cache:
+                self._cache.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @property
+    def shape(self) -> Shape:
+        """Slices, height, width."""
+        return self._shape
+
+    @property
+    def buffer(self) -> NDArray[np.uint8]:
+        """The array for volumes; ValueError if the clipper was made without."""
+        if self._buffer is None:
+            raise ValueError("there is no buffer: make the clipper with buffer=True, or with an array")
+        return self._buffer
+
+    # -------------------------------------------------------------------------------------------- details
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise ValueError("the clipper is closed")
+
+    def _look(self, of: Given, scanned: Any, view: Any, probe: Any) -> _Look:
+        if scanned is None:
+            scanned = self._scanned if self._padding is None else of.voxels != self._padding
+        if of.kretz is not None:
+            _only_itself(of.kretz[0], self._spacing, scanned, probe, self._window)
+        how, mask = what_was_scanned(self._shape, scanned)
+        if of.mask is not None:
+            mask = of.mask if mask is None else mask & of.mask
+        spacing = of.spacing if self._spacing is None else self._spacing
+        levels = Levels(
+            of.voxels,
+            spacing,
+            scanned=how,
+            mask=mask,
+            window=self._window,
+            directions=of.directions,
+            side=probe if isinstance(probe, str) else None,
+            kretz=of.kretz,
+        )
+        from_probe = view is None or (isinstance(view, str) and view == "probe")
+        grid = levels.plan(None if from_probe else rotation_of(view, of.directions), self._lowres)
+        camera = on_grid(self._shape, spacing or (1.0, 1.0, 1.0), grid)
+        return _Look(of, levels, grid, camera, spacing is not None)
+
+    def _told(self, look: _Look, probe: Any, beams: Any) -> dict[str, Any]:
+        """What the frame says of the probe and its beams, along the camera's axes."""
+        measured = probe is not None and not isinstance(probe, str)
+        told = look.camera.rotation @ checked_probe(probe) if measured else look.grid.probe
+        if beams is None:
+            return {"probe": told, "beams": None if measured else look.grid.beams}
+        if not isinstance(beams, str):
+            apex, sweep = _checked_fan(beams)
+            beams = (tuple(look.camera.from_volume_mm(apex)), sweep)
+        elif beams != "parallel":
+            raise ValueError(f"beams='{beams}', expected 'parallel', or a fan's (apex, sweep)")
+        return {"probe": told, "beams": beams}
+
+    def _run(self, look: _Look, frame: dict[str, Any]) -> Result:
+        seen, ranges = look.levels.look(look.grid)
+        takes = bool(self._plugin.features & _abi.SV_FEATURE_SCANNED)
+        spacing = look.camera.spacing if look.known else None
+        gaps = takes and look.levels.has_beams
+        ends = ranges if takes else None
+        return self._cache.run(seen, spacing, ends, self._plugin, dict(self._parameters), gaps=gaps, **frame)
+
+    def _finish(self, look: _Look, result: Result) -> Result:
+        self._last = look
+        levels = look.levels
+        if result.clips and self._marks:
+            levels.mark(look.grid, self._marks, result.depth)
+        why, doubt = result.why, result.doubt
+        if levels.doubt:  # of a size that no scan has nothing else is the reason
+            why, doubt = levels.doubt if look.known and not result.clips else why, levels.doubt
+        doubt = f"{doubt} {levels.question}".strip()
+        known = {"camera": look.camera, "spacing_known": look.known, "source": look.of.source, "window": self._window}
+        return replace(result, why=why, doubt=doubt, **known)
+
+
+def _checked_fan(beams: Any) -> tuple[NDArray[np.float64], float]:
+    """The apex, and mm from there to the sweep's axis; ValueError: it is neither."""
+    try:
+        apex, sweep = np.array(beams[0], np.float64), float(beams[1])
+    except (TypeError, ValueError, IndexError):
+        apex, sweep = np.empty(0), 0.0
+    if apex.shape != (3,) or not np.isfinite(apex).all() or not np.isfinite(sweep):
+        raise ValueError(f"beams={beams}, expected 'parallel', or a fan's ((x, y, z), mm to the sweep's axis)")
+    return apex, sweep
+
+
 def clip(
     volume: Any,
     spacing: Sequence[float] | None = None,
@@ -108,6 +332,7 @@ def clip(
     view: Any = None,
     scanned: Any = "auto",
     probe: Any = None,
+    beams: Any = None,
     method: str | None = None,
     window: tuple[float, float] | None = None,
     lowres: int = 0,
@@ -134,6 +359,9 @@ def clip(
     `probe`
         where the probe was: "-z" (slice 0), "+z", "-y", "+y", "-x" or "+x"; the rotation [3, 3] from its axes (z away
         from it) to the volume's x, y, z; or three numbers, the unit vector to the probe alone. None: unknown.
+    `beams`
+        how they run, with the rotation of `probe`: "parallel", or a fan: its apex (x, y, z, mm from the centre of voxel
+        (0, 0, 0)), and mm from there to the sweep's axis. None: as the outline of the scan shows.
     `method`, `parameters`
         those of the plugin, see `parameters()`.
     `window`
@@ -157,62 +385,12 @@ def clip(
     >>> int(result.apply(volume)[5, 24, 24]), int(result.apply(volume)[50, 24, 24])
     (0, 200)
     """
-    plugin = plugin or load()
-    if method is not None:
-        parameters["method"] = method
     if isinstance(volume, (str, os.PathLike)):
         from ._files import Source
 
         volume = Source(volume).only()
-    source, directions, mask, kretz = volume, None, None, None
-    if _images.is_image(volume):
-        kretz = _images.kretz(volume)
-        if kretz is not None:
-            _only_itself(kretz[0], spacing, scanned, probe, window)
-        probe = _images.probe(volume) if probe is None else probe
-        spacing = volume.GetSpacing() if spacing is None and _images.says_spacing(volume) else spacing
-        directions = volume.GetDirection()
-        volume = _images.array(volume)
-    if isinstance(volume, np.ma.MaskedArray):
-        mask = ~np.ma.getmaskarray(volume) if np.ma.is_masked(volume) else None
-        volume = volume.filled(volume.max())  # which is nowhere taken for what lies outside
-    marks = _marks(remove, False) + _marks(keep, True)
-    volume = np.asarray(volume)
-    if volume.ndim != 3 or 0 in volume.shape:
-        raise ValueError(f"the volume has shape {volume.shape}, expected [z, y, x]")
-    mm = None if spacing is None else _checked_spacing(spacing)
-    how, given = what_was_scanned(volume.shape, scanned)
-    if mask is not None:
-        given = mask if given is None else mask & given
-    side = _side(probe)
-    levels = Levels(
-        volume,
-        mm,
-        scanned=how,
-        mask=given,
-        window=checked_window(window),
-        directions=directions,
-        side=side,
-        kretz=kretz,
-    )
-    turned = None if view is None or (isinstance(view, str) and view == "probe") else rotation_of(view, directions)
-    grid = levels.plan(turned, lowres)
-    camera = on_grid(volume.shape, mm or (1.0, 1.0, 1.0), grid)
-    cache = cache or _cache
-    cache.admit(look_bytes(grid.shape), 0)
-    seen, ranges = levels.look(grid)
-    given_probe = probe is not None and side is None
-    told = camera.rotation @ _checked_probe(probe) if given_probe else grid.probe
-    beams = None if given_probe else grid.beams
-    takes = bool(plugin.features & _abi.SV_FEATURE_SCANNED)
-    known = None if mm is None else camera.spacing
-    gaps = takes and levels.has_beams
-    result = cache.run(seen, known, ranges if takes else None, plugin, parameters, gaps=gaps, probe=told, beams=beams)
-    if result.clips and marks:
-        levels.mark(grid, marks, result.depth)
-    if levels.doubt:  # of a size that no scan has nothing else is the reason
-        why = levels.doubt if mm is not None and not result.clips else result.why
-        result = replace(result, why=why, doubt=levels.doubt)
-    if levels.question:
-        result = replace(result, doubt=f"{result.doubt} {levels.question}".strip())
-    return replace(result, camera=camera, spacing_known=mm is not None, source=source, window=window)
+    how: dict[str, Any] = {"view": view, "scanned": scanned, "probe": probe, "beams": beams, "method": method}
+    how |= {"window": window, "lowres": lowres, "keep": keep, "remove": remove, "plugin": plugin}
+    of = given(volume)
+    with Clipper(of.voxels.shape, spacing, cache=cache or _cache, **(how | parameters)) as clipper:
+        return clipper(of)

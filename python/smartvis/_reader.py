@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 from . import _dicom, _geometry, _host, _images, _kretz
-from ._clipper import _checked_spacing
 from ._errors import FileError, HostError
+from ._volume import checked_spacing
 
 _HEADER = 1 << 24  # bytes of a header's text at most, as in the host
 _MOST_VOXELS = 1 << 31  # of a volume, as in the host
@@ -120,7 +120,7 @@ class Reader:
         size, spacing, origin = reader.GetSize(), reader.GetSpacing(), reader.GetOrigin()
         if len(size) >= 3:
             try:
-                _checked_spacing(spacing[:3])
+                checked_spacing(spacing[:3])
             except ValueError as error:
                 raise FileError(f"{self.path}: {error}") from None
         self._numbers_that_hold(reader)

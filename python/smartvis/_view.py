@@ -91,6 +91,11 @@ class Camera:
         from_centre = (index - _middle(self.shape)) * np.array(self.spacing)
         return np.asarray(from_centre @ self.rotation + _middle(self.source_shape) * np.array(self.source_spacing))
 
+    def from_volume_mm(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where a place in the volume lies along the camera's axes, both in mm from the centre of their first voxel."""
+        from_centre = place - _middle(self.source_shape) * np.array(self.source_spacing)
+        return np.asarray(self.rotation @ from_centre + _middle(self.shape) * np.array(self.spacing))
+
 
 def _middle(shape: Shape) -> NDArray[np.float64]:
     return np.asarray((np.array(shape[::-1], float) - 1.0) / 2.0)

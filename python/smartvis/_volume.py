@@ -4,12 +4,46 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _images
 from ._seen import Levels
+
+
+@dataclass(frozen=True)
+class Given:
+    """A volume as it was given, with what it says of itself."""
+
+    source: Any
+    voxels: NDArray[Any]  #: [z, y, x]
+    mask: NDArray[np.bool_] | None = None  #: True where numpy's mask hides nothing; None: it hides nothing anywhere
+    spacing: tuple[float, float, float] | None = None
+    directions: Sequence[float] | None = None
+    probe: str | None = None  #: the side at which it was
+    kretz: tuple[str, int, bool] | None = None  #: see _images.kretz
+
+
+def given(volume: Any) -> Given:
+    """An array or a SimpleITK image. ValueError: it is no volume."""
+    if isinstance(volume, Given):
+        return volume
+    if _images.is_image(volume):
+        spacing = volume.GetSpacing() if _images.says_spacing(volume) else None
+        what = (spacing, volume.GetDirection(), _images.probe(volume), _images.kretz(volume))
+        return Given(volume, _images.array(volume), None, *what)
+    voxels, mask = volume, None
+    if isinstance(volume, np.ma.MaskedArray):
+        mask = ~np.ma.getmaskarray(volume) if np.ma.is_masked(volume) else None
+        voxels = volume.filled(volume.max())  # which is nowhere taken for what lies outside
+    voxels = np.asarray(voxels)
+    if voxels.ndim != 3 or 0 in voxels.shape:
+        raise ValueError(f"the volume has shape {voxels.shape}, expected [z, y, x]")
+    return Given(volume, voxels, mask)
 
 
 def to_uint8(volume: NDArray[Any], window: tuple[float, float] | None = None) -> NDArray[np.uint8]:
@@ -26,13 +60,35 @@ def to_uint8(volume: NDArray[Any], window: tuple[float, float] | None = None) ->
     return Levels(volume, window=checked_window(window)).levels
 
 
+def checked_spacing(spacing: Any) -> tuple[float, float, float]:
+    """ValueError: it is none.
+
+    >>> checked_spacing(0.5)
+    Traceback (most recent call last):
+    ValueError: spacing=0.5, expected (x, y, z): mm between voxels along each axis, 1e-6 .. 1e6
+    """
+    try:
+        mm = tuple(float(length) for length in spacing)
+    except (TypeError, ValueError):
+        mm = ()
+    if len(mm) != 3 or not all(1e-6 <= length <= 1e6 for length in mm):
+        told = spacing if np.ndim(spacing) == 0 else tuple(spacing)
+        raise ValueError(f"spacing={told}, expected (x, y, z): mm between voxels along each axis, 1e-6 .. 1e6")
+    return mm[0], mm[1], mm[2]
+
+
 def checked_window(window: Any) -> tuple[float, float] | None:
     """ValueError: it is none."""
     if window is None:
         return None
-    if len(window) != 2 or not -math.inf < float(window[0]) < float(window[1]) < math.inf:
-        raise ValueError(f"window={tuple(window)}, expected two finite numbers, the lower first")
-    return float(window[0]), float(window[1])
+    try:
+        low, high = (float(value) for value in window)
+    except (TypeError, ValueError):
+        low = high = math.nan
+    if not -math.inf < low < high < math.inf:
+        told = window if np.ndim(window) == 0 else tuple(window)
+        raise ValueError(f"window={told}, expected two finite numbers, the lower first")
+    return low, high
 
 
 def what_was_scanned(shape: tuple[int, ...], scanned: Any) -> tuple[str, NDArray[np.bool_] | None]:

@@ -78,7 +78,7 @@ def nothing_is_half(out: Path) -> None:
 
 def formats_kept() -> int:
     cache = _study._worker_cache
-    return len(cache._clippers) if cache else 0
+    return len(cache._instances) if cache else 0
 
 
 def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> None:

@@ -1,250 +1,160 @@
 # SPDX-License-Identifier: MIT
-"""Clipper: activated once, no allocation a volume, nothing copied that need not be; other plugins."""
+"""Clipper: clip() for volume after volume, with the same bits, whatever it clipped before; from several threads."""
 
-import ctypes
-import gc
-import logging
-import pickle
 import threading
-import tracemalloc
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
-from conftest import BUILD
+import SimpleITK as sitk
+from conftest import SOURCE, host_sim, layers
 
 import smartvis
-from smartvis import Clipper, LoadError, Outcome, PluginError, _abi
+from smartvis import Clipper, Result
 
 SHAPE = (64, 56, 56)
+DATA = SOURCE.parent / "shared" / "data"  # where `make demo` looks for scans, too
+SCANS = [*sorted(DATA.glob("*.mha")), *sorted(p for p in DATA.glob("real/*.mha") if "_label" not in p.name)]
 
 
-@pytest.mark.parametrize("method", ["mean", "wall"])
-def test_a_volume_allocates_nothing(volume: np.ndarray, method: str) -> None:
-    with Clipper(SHAPE, (1, 1, 1), method=method) as clipper:
-        clipper(volume)
-        maps = [clipper.result.depth.ctypes.data, clipper.result.status.ctypes.data]
-        gc.collect()
-        tracemalloc.start()
-        for _ in range(10):
-            clipper(volume)  # what Python and ctypes keep for themselves comes once
-        before = tracemalloc.get_traced_memory()[0]
-        tracemalloc.reset_peak()
-        for _ in range(400):
-            clipper(volume)
-        after, most = tracemalloc.get_traced_memory()
-        tracemalloc.stop()
-        assert maps == [clipper.result.depth.ctypes.data, clipper.result.status.ctypes.data]
-    assert after - before < 1024  # over 400 volumes
-    assert most - before < 8192 < clipper.result.depth.nbytes  # nowhere a copy, not even of a map
+def same(a: Result, b: Result) -> bool:
+    """Maps, reason and doubt."""
+    maps: list[tuple[Any, Any]] = [(a.depth, b.depth), (a.status, b.status), (a.confidence, b.confidence)]
+    return all(np.array_equal(*pair) for pair in maps) and (a.why, a.doubt) == (b.why, b.doubt)
 
 
-class _Record(ctypes.Structure):  # tests/base/plugins/record.h
-    _fields_ = (
-        ("size", ctypes.c_uint32),
-        ("frames", ctypes.c_uint32),
-        ("format", _abi.sv_format),
-        ("frame", _abi.sv_frame),
-    )
+def of_the_host(path: Any, folder: Any) -> np.ndarray:
+    """The map of `host_sim run`, in mm."""
+    few = ["--few-pictures", "--setting", "smartvis", "--frames", 1, "--picture", 32]
+    host_sim("run", "--volume", path, "--write", "depthmap", "--out", folder, *few)
+    return sitk.GetArrayFromImage(sitk.ReadImage(str(folder / "depthmap.mha")))[0]
 
 
-def recorded(clipper: Clipper) -> Any:
-    """The frame as the plugin saw it last."""
-    address = clipper._calls.get_extension(clipper._instance, b"test.record/1")
-    return ctypes.cast(address, ctypes.POINTER(_Record)).contents.frame
+@pytest.mark.parametrize("name", [*smartvis.CASES, *map(str, SCANS)])
+def test_every_door_gives_one_answer(name: str, tmp_path: Any) -> None:
+    """Of a scene or a real scan: host, clip, and a Clipper that saw something else before."""
+    path = name
+    if name in smartvis.CASES:
+        host_sim("scenes", name, "--size", 80, "--export", "--out", tmp_path)
+        path = tmp_path / f"{name}_full.mha"
+    image = sitk.ReadImage(str(path))
+    once = smartvis.clip(image)
+    assert np.array_equal(once.depth_mm, of_the_host(path, tmp_path))
+    volume = sitk.GetArrayFromImage(image)
+    alone = smartvis.clip(volume, image.GetSpacing())
+    with Clipper(volume.shape, image.GetSpacing(), buffer=volume.dtype == np.uint8) as clipper:
+        assert same(clipper(volume), alone)
+        clipper(np.roll(volume, 7, axis=1))
+        assert same(clipper(volume), alone) and same(clipper.adjust(), alone)
+        if volume.dtype == np.uint8:
+            clipper.buffer[:] = volume
+            assert same(clipper(clipper.buffer), alone)
 
 
-def test_where_the_probe_is(volume: np.ndarray) -> None:
-    recorder = smartvis.load(BUILD / "tests" / "plugins" / "recorder.so")
-    turned = np.array([[0.0, 0, -1], [0, 1, 0], [1, 0, 0]])  # probe's z along -x
-    rows: Any = [(turned, ((1, 2, -57), 23), False), ([0, 0.6, -0.8], None, True), (None, None, False)]
-    with Clipper(SHAPE, plugin=recorder, confidence=False) as clipper:
-        for (probe, beams, same), side in zip(rows, np.array([[1, 0, 0], [0, 0.6, -0.8], [0, 0, 0]]), strict=True):
-            clipper(volume, probe=probe, beams=beams, same_volume=same)
-            frame = recorded(clipper)
-            assert list(frame.probe_rotation) == (turned.ravel().tolist() if probe is turned else [0] * 9)
-            assert np.allclose(list(frame.probe_side), side)
-            fan = ([*frame.beam_apex_mm], frame.beam_sweep_mm, frame.beams)
-            assert fan == (([1, 2, -57], 23, 2) if beams else ([0, 0, 0], 0, 0))
-            assert frame.flags == (_abi.SV_FRAME_SAME_VOLUME if same else 0)
-        clipper(volume, probe=turned, beams="parallel")
-        assert frame.beams == _abi.SV_BEAMS_PARALLEL
-        with pytest.raises(ValueError, match=r"probe has shape \(4,\)"):
-            clipper(volume, probe=[1, 0, 0, 0])
-    # clip() is told in the volume's axes; the plugin refuses what is no rotation. A view along +x of a probe at slice 0
-    # sees it at its own left or right.
-    with pytest.raises(PluginError, match="probe_rotation is 2 0 0"):
-        smartvis.clip(volume, probe=2 * np.eye(3))
-    cache = smartvis.ClipperCache()
-    side_on = smartvis.clip(volume, (1, 1, 1), view=(1, 0, 0), plugin=recorder, cache=cache, probe=np.eye(3))
-    (clipper,) = cache._clippers.values()
-    frame = recorded(clipper)
-    assert np.allclose(np.reshape(frame.probe_rotation, (3, 3)), side_on.camera.rotation)
-    assert abs(frame.probe_side[2]) < 1e-6
-    cache.close()
+@pytest.mark.skipif(not (DATA / "real").exists(), reason="no real scans beside the repository")
+def test_real_scans_are_clipped_by_a_sequence() -> None:
+    """What lies outside the fan is no fluid."""
+    for path in sorted(DATA.glob("real/fetus_*[!l].mha")):
+        image = sitk.ReadImage(str(path))
+        volume = sitk.GetArrayFromImage(image)
+        with Clipper(volume.shape, image.GetSpacing()) as clipper:
+            result = clipper(volume)
+        assert result.clips and "Nothing hides" not in result.why
 
 
-def test_volumes_in_the_buffer_are_read_in_place(volume: np.ndarray) -> None:
-    with Clipper(SHAPE, (1, 1, 1), method="wall", buffer=True) as clipper:
-        clipper.buffer[:] = volume
-        inside = clipper(clipper.buffer)
-        assert inside is clipper.result
-        inside = inside.copy()
-        other = clipper(np.roll(volume, 5, axis=2), discontinuity=True).copy()
-        assert np.array_equal(clipper.buffer, np.roll(volume, 5, axis=2))  # from elsewhere: copied into it
-    with Clipper(SHAPE, (1, 1, 1)) as clipper, pytest.raises(ValueError, match="buffer=True"):
-        clipper.buffer[:] = volume
-    ring = np.stack([volume, np.roll(volume, 5, axis=2)])
-    with Clipper(SHAPE, (1, 1, 1), method="wall", buffer=ring) as clipper:
-        assert np.array_equal(clipper(ring[0]).depth, inside.depth)
-        assert np.array_equal(clipper(ring[1], discontinuity=True).depth, other.depth)
-        assert np.array_equal(ring[0], volume)
-    alone = smartvis.clip(volume, (1, 1, 1), method="wall")
-    assert inside.confidence is not None and alone.confidence is not None
-    assert np.array_equal(inside.depth, alone.depth) and np.array_equal(inside.confidence, alone.confidence)
+def test_what_a_clipper_was_told_holds_for_every_volume(volume: np.ndarray) -> None:
+    how: dict[str, Any] = {"view": (0.1, 0, 1), "scanned": "all", "window": (0, 220), "lowres": 40, "probe": "-z"}
+    how |= {"remove": [(28.0, 28.0, 40.0, 6.0)], "method": "wall", "q": 0.3}
+    alone = smartvis.clip(volume, (1, 1, 1), **how)
+    with Clipper(SHAPE, (1, 1, 1), **how) as clipper:
+        for _ in range(2):
+            assert same(clipper(volume), alone)
+        assert same(clipper.adjust(), alone)  # the mark is applied to each map
+        straight = smartvis.clip(volume, (1, 1, 1), **(how | {"view": None}))
+        assert same(clipper(volume, view="probe"), straight)
+    fan = volume.copy()
+    fan[:5] = 7
+    with Clipper(SHAPE, (1, 1, 1), padding=7) as clipper:
+        assert same(clipper(fan), smartvis.clip(fan, (1, 1, 1), scanned=fan != 7))
+        assert same(clipper(fan, "all"), smartvis.clip(fan, (1, 1, 1), scanned="all"))
 
 
-def test_adjust_is_a_frame_with_the_knob_turned(volume: np.ndarray) -> None:
-    with Clipper(SHAPE, (1, 1, 1)) as clipper:
-        first = clipper(volume).copy()
-        turned = clipper.adjust(q=0.9).copy()
-        clipper.set(q=0.9)
-        assert np.array_equal(clipper(volume).depth, turned.depth)
-        assert not np.array_equal(first.depth, turned.depth)
-        clipper.reset()
-        assert np.array_equal(clipper(volume).depth, first.depth)
+def test_beams_are_told_along_the_axes_of_the_volume(volume: np.ndarray) -> None:
+    """A fan about the middle of the face, seen straight and from the side."""
+    probe, apex = np.eye(3), (27.5, 27.5, -60.0)
+    with Clipper(SHAPE, (1, 1, 1), probe=probe, beams=(apex, 20)) as clipper:
+        assert same(clipper(volume), smartvis.clip(volume, (1, 1, 1), probe=probe, beams=(apex, 20)))
+        for view in ((0, 0, 1), (1, 0, 0)):
+            look = clipper._look(smartvis._volume.given(volume), None, view, probe)
+            told = clipper._told(look, probe, (apex, 20))
+            index = np.array(told["beams"][0]) / look.camera.spacing
+            assert np.allclose(look.camera.to_volume_mm(index), apex) and told["beams"][1] == 20
+    for wrong in ("fan", ((1, 2), 3), 5):
+        with pytest.raises(ValueError, match="beams=.*expected 'parallel', or a fan's"):
+            smartvis.clip(volume, (1, 1, 1), probe=probe, beams=wrong)
 
 
-def test_fixed_parameters_are_refused_later(volume: np.ndarray) -> None:
+def test_values_are_set_and_reset(volume: np.ndarray) -> None:
     with Clipper(SHAPE, (1, 1, 1), method="mean") as clipper:
-        clipper.set(method="wall")
-        with pytest.raises(PluginError) as caught:
-            clipper(volume)
-        assert caught.value.name == "SV_ERR_PARAM_FIXED" and "method" in caught.value.reason
+        first = clipper(volume)
+        clipper.set(q=0.9)
+        turned = clipper(volume)
+        assert not np.array_equal(turned.depth, first.depth)
+        clipper.set(method="wall")  # which is read at activation
+        assert same(clipper(volume), smartvis.clip(volume, (1, 1, 1), method="wall", q=0.9))
+        clipper.reset(method="mean")
+        assert same(clipper(volume), first)
+        with pytest.raises(ValueError, match="no parameter 'knob'"):
+            clipper.set(knob=1)
 
 
-def test_threads_have_clippers_of_their_own(volume: np.ndarray) -> None:
-    expected = smartvis.clip(volume, (1, 1, 1)).depth
-    same: list[bool] = []
+def test_one_clipper_serves_many_threads(volume: np.ndarray) -> None:
+    scans = [volume, np.roll(volume, 9, axis=0), np.ascontiguousarray(volume[:, :, ::-1])]
+    expected = [smartvis.clip(scan, (1, 1, 1)) for scan in scans]
+    right: list[bool] = []
 
-    def work() -> None:
-        with Clipper(SHAPE, (1, 1, 1)) as clipper:
-            same.extend(np.array_equal(clipper(volume).depth, expected) for _ in range(5))
+    def work(clipper: Clipper, number: int) -> None:
+        right.extend(same(clipper(scans[number]), expected[number]) for _ in range(5))
 
-    threads = [threading.Thread(target=work) for _ in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert same == [True] * 15
-
-
-def test_wrong_calls_are_named(volume: np.ndarray) -> None:
     with Clipper(SHAPE, (1, 1, 1)) as clipper:
-        with pytest.raises(ValueError, match=r"shape \(64, 56, 55\), expected uint8 of shape \(64, 56, 56\)"):
-            clipper(volume[:, :, 1:])
-        with pytest.raises(ValueError, match="float32"):
-            clipper(volume.astype(np.float32))
-        with pytest.raises(ValueError, match="scanned=True"):
-            clipper(volume, np.zeros((56, 56, 2), np.uint16))
-        assert clipper(np.asfortranarray(volume)).clips
+        threads = [threading.Thread(target=work, args=(clipper, number)) for number in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert right == [True] * 15
+
+
+WRONG: list[tuple[Callable[[Clipper, np.ndarray], Any], str]] = [
+    (lambda clipper, v: clipper(v[:, :, 1:]), r"shape \(64, 56, 55\), expected \(64, 56, 56\)"),
+    (lambda clipper, v: clipper(v.astype(complex)), "the volume holds complex128"),
+    (lambda clipper, v: clipper(v, np.zeros((56, 56))), r"scanned has shape \(56, 56\)"),
+    (lambda clipper, v: clipper.buffer, "buffer=True"),
+    (lambda clipper, v: clipper.adjust(q=0.2), "no volume to adjust yet"),
+]
+
+
+@pytest.mark.parametrize(("call", "said"), WRONG)
+def test_wrong_calls_are_named(volume: np.ndarray, call: Callable[[Clipper, np.ndarray], Any], said: str) -> None:
+    with Clipper(SHAPE, (1, 1, 1)) as clipper, pytest.raises(ValueError, match=said):
+        call(clipper, volume)
     with pytest.raises(ValueError, match="closed"):
         clipper(volume)
-    with Clipper(SHAPE, (1, 1, 1), scanned=True) as clipper:
-        with pytest.raises(ValueError, match="missing"):
-            clipper(volume)
-        with pytest.raises(ValueError, match=r"scanned is int64 of shape \(56, 56\)"):
-            clipper(volume, np.zeros((56, 56), np.int64))
-    with pytest.raises(ValueError, match="each 1 .. 8192"):
-        Clipper((0, 1, 1))
-    with pytest.raises(ValueError, match=r"shape=\(64, 48.5, 56\): expected slices, height and width"):
-        Clipper((64, 48.5, 56), (1, 1, 1))  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="shape=None: expected slices, height and width"):
-        Clipper(None)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="C-contiguous"):
-        Clipper(SHAPE, buffer=np.zeros(SHAPE, np.float32))
 
 
-def test_messages_of_the_plugin_go_to_logging(volume: np.ndarray, caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.DEBUG, "smartvis.plugin"), pytest.raises(PluginError) as caught:
-        Clipper(SHAPE, (1, 1, 1), kernel=4, q=1e9)(volume)
-    assert any(caught.value.reason in record.message for record in caplog.records)
+def test_wrong_beginnings_are_named() -> None:
+    for how, said in (({"shape": (0, 1, 1)}, "each 1 .. 8192"), ({"spacing": 0.5}, "spacing=0.5, expected (x, y, z)"),
+                      ({"probe": "above"}, "probe='above'"), ({"window": 3}, "window=3, expected two finite numbers"),
+                      ({"buffer": np.zeros(SHAPE, np.float32)}, "expected a C-contiguous array of uint8"),
+                      ({"knob": 1}, "no parameter 'knob'")):  # fmt: skip
+        with pytest.raises(ValueError) as caught:  # noqa: PT011
+            Clipper(**({"shape": SHAPE} | how))
+        assert said in str(caught.value)
 
 
-def test_exceptions_travel_between_processes() -> None:
-    error = pickle.loads(pickle.dumps(PluginError("end", -32, "clFinish failed")))
-    assert str(error) == "clFinish failed (end: SV_ERR_OPENCL)" and error.status == -32
-
-
-def test_another_plugin_is_loaded_and_clips(volume: np.ndarray) -> None:
-    first_edge = smartvis.load(BUILD / "examples" / "first_edge.so")
-    assert first_edge.id == "org.smartvis.example.first_edge"
-    assert set(smartvis.parameters(first_edge)) == {"q", "level", "gap"}
-    result = smartvis.clip(volume, (1, 1, 1), plugin=first_edge, level=0.2)
-    assert result.outcome is Outcome.OK and result.confidence is None
-    fluid_end = 64 - (volume[::-1] == 10).argmax(axis=0)
-    inner = np.s_[4:-4, 4:-4]
-    assert np.abs(result.depth[inner] - (fluid_end[inner] - 0.5 - 0.25 * 0.4 * 64)).max() < 2
-
-
-def test_files_that_are_no_plugins_are_refused(tmp_path) -> None:
-    with pytest.raises(LoadError, match="no such file"):
-        smartvis.load(tmp_path / "none.so")
-    (tmp_path / "text.so").write_text("no library")
-    with pytest.raises(LoadError, match="text.so"):
-        smartvis.load(tmp_path / "text.so")
-    for name, said in (
-        ("far_default", "'depth': the default is 100000, expected"),
-        ("create_fails", "gives no instance"),
-    ):
-        with pytest.raises(PluginError, match=f"{name}.so: 'org.smartvis.test.plane': .*{said}"):
-            _ = smartvis.load(BUILD / "tests" / "plugins" / f"{name}.so").parameters
-    with pytest.raises(LoadError, match="there are org.smartvis.clip"):
-        smartvis.load(id="org.example.none")
-
-
-WRONG_RESULTS = [
-    "depth_nan", "depth_1e30", "depth_infinite", "depth_far", "map_not_written", "last_row_missing",
-    "begin_77", "begin_partial", "slab_1", "end_77", "end_minus_77", "outcome_negative", "outcomes_differ",
-    "depths_without_surface",
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("fault", WRONG_RESULTS)
-def test_what_a_wrong_plugin_tells_never_reaches_the_user(volume, fault: str) -> None:
-    with pytest.raises(PluginError):
-        smartvis.clip(volume, (1, 1, 1), plugin=smartvis.load(BUILD / "wrong" / f"{fault}.so"))
-
-
-@pytest.mark.parametrize("fault", ["confidence_above", "confidence_nan"])
-def test_a_wrong_confidence_is_left_out(volume, fault: str) -> None:
-    plugin = smartvis.load(BUILD / "wrong" / f"{fault}.so")
-    right = smartvis.clip(volume, (1, 1, 1), plugin=smartvis.load(BUILD / "wrong" / "right" / "results.so"))
-    result = smartvis.clip(volume, (1, 1, 1), plugin=plugin)
-    assert result.confidence is None and right.confidence is not None
-    assert np.array_equal(result.depth, right.depth)
-
-
-@pytest.mark.parametrize("fault", ["other_major", "short_entry", "count_zero", "no_create", "descriptor_missing",
-                                   "descriptor_short", "no_instance", "short_instance", "null_function"])  # fmt: skip
-def test_libraries_that_are_not_whole_are_refused(volume, fault: str) -> None:
-    with pytest.raises((LoadError, PluginError)):
-        smartvis.clip(volume, (1, 1, 1), plugin=smartvis.load(BUILD / "wrong" / f"{fault}.so"))
-
-
-@pytest.mark.parametrize("fault", ["param_count_endless", "param_label_null", "range_nan", "step_zero",
-                                   "enum_without_names", "text_without_nul", "name_not_utf8"])  # fmt: skip
-def test_wrong_descriptions_hurt_nobody(volume, fault: str) -> None:
-    plugin = smartvis.load(BUILD / "wrong" / f"{fault}.so")
-    assert 0 < len(plugin.parameters) <= 4096 and isinstance(plugin.name, str)
-
-
-@pytest.mark.parametrize(("name", "major"), [("older_major", 0), ("other_major", 2)])
-def test_another_abi_is_not_called(name: str, major: int) -> None:
-    with pytest.raises(LoadError, match=f"ABI {major}, this package knows 1"):
-        smartvis.load(BUILD / "tests" / "plugins" / f"{name}.so")
-
-
-def test_what_is_tested_is_the_installed_wheel() -> None:
-    assert "site-packages" in smartvis.__file__
-    assert smartvis.load().path.startswith(smartvis.__path__[0])
+def test_numbers_of_any_type_are_taken(volume: np.ndarray) -> None:
+    with Clipper(SHAPE, (1, 1, 1)) as clipper:
+        whole = clipper(volume)
+        shifted = clipper(layers(SHAPE).astype(np.int16) - 10)
+    assert whole.clips and same(shifted, smartvis.clip(volume.astype(np.int16) - 10, (1, 1, 1)))

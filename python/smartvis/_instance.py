@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One activated plugin for many volumes of one shape."""
+"""One activated plugin: it takes voxels as they lie on its grid. What makes them of a volume is `_clip`."""
 
 from __future__ import annotations
 
@@ -16,23 +16,19 @@ from ._plugin import Plugin, load, log
 from ._result import Outcome, Result, Statistics
 from ._seen import _at, words_of
 from ._view import Shape, look
+from ._volume import checked_spacing
 
 _FARTHEST = 2.0  # volumes: a depth beyond it is none (the host's rule, host_sim/loop/confidence_map.h)
 
 
-class Clipper:
-    """Clips volume after volume of one shape: it is activated once, and a volume allocates nothing.
+class Instance:
+    """A plugin that is activated once; a frame allocates nothing.
 
-    >>> with Clipper((32, 24, 16), spacing=(1, 1, 1)) as clipper:
-    ...     result = clipper(np.zeros((32, 24, 16), np.uint8))
-    >>> result.outcome
-    <Outcome.NO_SURFACE: 1>
-
-    Volumes are uint8 arrays [z, y, x], C-contiguous (others are copied first). They are handed over as they
+    Frames are uint8 arrays [z, y, x], C-contiguous (others are copied first). They are handed over as they
     lie in memory; with ``buffer`` the plugin also reads them in place, where its device can.
 
-    A call returns the clipper's own `result`, whose maps the next call overwrites: ``result.copy()`` keeps
-    one. A clipper serves one thread at a time; while the plugin works, other threads of Python run.
+    A call returns the instance's own `result`, whose maps the next call overwrites: ``result.copy()`` keeps
+    one. An instance serves one thread at a time; while the plugin works, other threads of Python run.
     """
 
     def __init__(
@@ -58,14 +54,14 @@ class Clipper:
         """
         self._plugin = plugin or load()
         self._instance: Any = None
-        self._shape = _checked_shape(shape)
+        self._shape = checked_shape(shape)
         self._bytes = int(np.prod(self._shape))
         if not self._plugin.queues & _abi.SV_QUEUE_OWN:
             raise PluginError("activate", _abi.SV_ERR_FORMAT, f"{self._plugin.id} needs the host's OpenCL queue")
-        self._buffer = np.zeros(self._shape, np.uint8) if buffer is True else _checked_buffer(buffer)
+        self._buffer = np.zeros(self._shape, np.uint8) if buffer is True else checked_buffer(buffer)
         self._ids = self._plugin.encode(parameters)
         self._values = _value_list(self._ids)
-        self._make_result(None if spacing is None else _checked_spacing(spacing))
+        self._make_result(None if spacing is None else checked_spacing(spacing))
         self._instance = self._plugin.create()
         self._calls = self._instance.contents
         self._frame_index = 0
@@ -181,7 +177,7 @@ class Clipper:
         beams: Any = None,
     ) -> Result:
         """Clips one volume. `scanned`: [y, x, 2], first scanned slice and the first behind the scan, uint16; for
-        clippers made with ``scanned=True``. `time_ns`: when it was acquired, 0: unknown. `discontinuity`: it does
+        those made with ``scanned=True``. `time_ns`: when it was acquired, 0: unknown. `discontinuity`: it does
         not continue the volume before. `probe`: the rotation [3, 3] from the probe's axes (z away from it) to the
         volume's x, y, z; or three numbers, the unit vector to the probe alone; None: unknown. `same_volume`: the one
         before, by another camera or with other values. `beams`: how they run, with the rotation of `probe`: "parallel",
@@ -222,7 +218,7 @@ class Clipper:
         self.set(**parameters)
 
     def close(self) -> None:
-        """Ends the instance. A closed clipper refuses every call; its result stays."""
+        """Ends the instance. A closed one refuses every call; its result stays."""
         if self._instance is not None:
             self._calls.deactivate(self._instance)
             self._calls.destroy(self._instance)
@@ -245,9 +241,9 @@ class Clipper:
 
     @property
     def buffer(self) -> NDArray[np.uint8]:
-        """The array in which volumes lie; ValueError if the clipper was made without."""
+        """The array in which volumes lie; ValueError if it was made without."""
         if self._buffer is None:
-            raise ValueError("there is no buffer: make the clipper with buffer=True, or with an array")
+            raise ValueError("there is no buffer: make it with buffer=True, or with an array")
         return self._buffer
 
     # -------------------------------------------------------------------------------------------- details
@@ -276,9 +272,9 @@ class Clipper:
     def _ranges(self, scanned: NDArray[np.uint16] | None) -> NDArray[np.uint16] | None:
         if (scanned is not None) != self._takes_ranges:
             raise ValueError(
-                "scanned ranges are missing: the clipper was made with scanned=True"
+                "scanned ranges are missing: it was made with scanned=True"
                 if self._takes_ranges
-                else "scanned ranges were given: make the clipper with scanned=True"
+                else "scanned ranges were given: make it with scanned=True"
             )
         if scanned is None:
             return None
@@ -298,7 +294,7 @@ class Clipper:
         self._frame.beams = _abi.SV_BEAMS_FAN if fan else _abi.SV_BEAMS_PARALLEL if beams else _abi.SV_BEAMS_UNKNOWN
         self._frame.beam_apex_mm[:] = apex
         self._frame.beam_sweep_mm = sweep
-        told = np.zeros(3) if probe is None else _checked_probe(probe)
+        told = np.zeros(3) if probe is None else checked_probe(probe)
         whole = told.ndim == 2
         self._frame.probe_rotation[:] = told.ravel().tolist() if whole else [0.0] * 9
         self._frame.probe_side[:] = (-told[:, 2] if whole else told).tolist()
@@ -363,7 +359,7 @@ def _value_list(values: dict[int, float]) -> Any:
     return (_abi.sv_param_value * len(values))(*(_abi.sv_param_value(i, 0, v) for i, v in values.items()))
 
 
-def _checked_shape(shape: Sequence[int]) -> Shape:
+def checked_shape(shape: Sequence[int]) -> Shape:
     if not isinstance(shape, (Sequence, np.ndarray)):
         raise TypeError(f"shape={shape!r}: expected slices, height and width, each 1 .. 8192")
     if len(shape) != 3 or not all(1 <= n <= 8192 and n == int(n) for n in shape):
@@ -371,20 +367,14 @@ def _checked_shape(shape: Sequence[int]) -> Shape:
     return int(shape[0]), int(shape[1]), int(shape[2])
 
 
-def _checked_spacing(spacing: Sequence[float]) -> tuple[float, float, float]:
-    if len(spacing) != 3 or not all(1e-6 <= s <= 1e6 for s in spacing):
-        raise ValueError(f"spacing={tuple(spacing)}: expected millimetres along x, y and z, each 1e-6 .. 1e6")
-    return float(spacing[0]), float(spacing[1]), float(spacing[2])
-
-
-def _checked_probe(probe: Any) -> NDArray[np.float64]:
+def checked_probe(probe: Any) -> NDArray[np.float64]:
     told = np.asarray(probe, np.float64)
     if told.shape not in ((3, 3), (3,)):
         raise ValueError(f"probe has shape {told.shape}, expected a rotation (3, 3) or a direction (3,)")
     return told
 
 
-def _checked_buffer(buffer: NDArray[np.uint8] | bool) -> NDArray[np.uint8] | None:
+def checked_buffer(buffer: NDArray[np.uint8] | bool) -> NDArray[np.uint8] | None:
     if isinstance(buffer, bool):
         return None
     if buffer.dtype != np.uint8 or not buffer.flags.c_contiguous:
