@@ -11,6 +11,10 @@ checked=0 failed=0
 . "$source_dir/tests/support/holds.sh"
 
 version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\) .*/\1/p' "$source_dir/CMakeLists.txt")
+if ! command -v git > /dev/null; then
+    echo "skipped: git is missing"
+    exit 77
+fi
 if ! git -C "$source_dir" rev-parse HEAD > /dev/null 2>&1; then
     echo "skipped: no git checkout"
     exit 77
