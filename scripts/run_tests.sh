@@ -1,6 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# run_tests.sh BUILD_FOLDER JOBS [LABELS [PART]]: runs CTest and closes with one line of counts, and with what was skipped and why.
+# run_tests.sh BUILD_FOLDER JOBS [LABELS [PART]]: runs CTest and closes with one line of counts, with what was skipped and why, and
+# with the command that runs again what failed.
 # LABELS is a regular expression: tests with such a label only; `night`: those of `make test-night`. PART: those of base, sdk,
 # host_sim, python, lab or house. Exit code: CTest's. With SV_SKIP_NOTHING=1 a test that is skipped is an error, too.
 set -u
@@ -38,4 +39,6 @@ if [ -n "$skipped" ]; then
     sort <<< "$skipped"
     [ "${SV_SKIP_NOTHING:-0}" = 0 ] || [ $code != 0 ] || { echo "tests: nothing may be left out here" && code=1; }
 fi
+again=$(awk -F'"' '/<testcase / && /status="fail"/ { printf "%s%s", sep, $2; sep = "|" }' "$result" 2> /dev/null)
+[ -z "$again" ] || echo "Again: ctest --test-dir $1 --output-on-failure -R '^($again)\$'"
 exit $code
