@@ -31,6 +31,8 @@ if(NOT WIN32)
   foreach(program host_sim sv_validate)
     file(CREATE_LINK ../${program} ${CMAKE_BINARY_DIR}/bin/${program} SYMBOLIC)
   endforeach()
+  # Here Python would take smartvis.so for its module: it looks for a folder first.
+  file(CREATE_LINK ${CMAKE_SOURCE_DIR}/python/smartvis ${CMAKE_BINARY_DIR}/smartvis SYMBOLIC)
   foreach(folder examples bindings)
     file(CREATE_LINK ${CMAKE_SOURCE_DIR}/${folder} ${CMAKE_BINARY_DIR}/share/smartvis/${folder} SYMBOLIC)
   endforeach()

@@ -197,7 +197,7 @@ scripts/python_env.sh "$build/python/venv" python/requirements-test.txt
 python=$build/python/venv/bin/python
 "$python" -m pip wheel --quiet --disable-pip-version-check --no-build-isolation --no-deps --config-settings build-dir="$out/wheel" \
     --config-settings cmake.define.CMAKE_TOOLCHAIN_FILE="$PWD/cmake/x86_64-windows.cmake" \
-    --config-settings cmake.define.SV_WINDOWS_ROOT="$root" --wheel-dir "$out" ./python
+    --config-settings cmake.define.SV_WINDOWS_ROOT="$root" --config-settings cmake.define.SV_HOST_SIM=OFF --wheel-dir "$out" ./python
 cp "$machine" "$out/filled/plugin"
 cp -r data/scenes "$out/filled/plugin/share/smartvis"
 cp -r "$root/licences" "$out/filled"

@@ -10,8 +10,10 @@ import re
 from pathlib import Path
 from typing import Any, TypeVar
 
+from . import _places
+
 # In the package, or in a checkout.
-_FOLDER = next(f for f in (Path(__file__).parent / "abi", Path(__file__).parents[2] / "abi") if f.is_dir())
+_FOLDER = next(f for f in (Path(__file__).parent / "abi", _places.clone() / "abi") if f.is_dir())
 _NEWEST = max(_FOLDER.glob("types-*.txt"), key=lambda path: [int(n) for n in re.findall(r"\d+", path.name)])
 _BASIC = {
     "void": None,

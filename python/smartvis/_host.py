@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Finding and running ``host_sim``, which makes the scenes and holds the measures.
 
-It is looked for in this order: the environment variable ``SMARTVIS_HOST_SIM``; beside the package's plugin, where the
-wheels of ``make wheel`` have it; the search path; and the folder ``build`` of the repository that the package was
-installed from in place. The package's own stands before the search path, because one that lies there may be of another
-version, whose commands and files are others.
+It is looked for in this order: the environment variable ``SMARTVIS_HOST_SIM``; beside the package's plugin; the search
+path; and the folder ``build`` of the clone that the package lies in or was installed from. The package's own stands
+before the search path, because one that lies there may be of another version, whose commands and files are others.
 """
 
 from __future__ import annotations
@@ -13,14 +12,13 @@ import os
 import shutil
 import subprocess
 from collections.abc import Sequence
-from pathlib import Path
 
-from . import _runtime
+from . import _places, _runtime
 from ._errors import HostError
 
 _NAME = "host_sim.exe" if _runtime.WINDOWS else "host_sim"
-_OWN = Path(__file__).with_name("plugin") / _NAME
-_CLONE = Path(__file__).resolve().parents[2] / "build" / _NAME
+_OWN = _places.own(_NAME)
+_CLONE = _places.built(_NAME)
 _OPENCL = 5  # host_sim's exit code where OpenCL is missing or fails
 
 
@@ -35,8 +33,8 @@ def find() -> str:
         if path and os.access(path, os.X_OK):
             return path
     raise HostError(
-        "host_sim is not there: install the wheel of 'make wheel', or run 'make' in the repository of SmartVis, and "
-        "set SMARTVIS_HOST_SIM to build/host_sim"
+        "host_sim is not there: install the wheel of 'make wheel', or run 'make' in the clone of SmartVis, which "
+        "names what it needs; where the clone has gone, SMARTVIS_HOST_SIM names the program"
     )
 
 

@@ -10,10 +10,9 @@ import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
 from typing import Any
 
-from . import _abi, _runtime
+from . import _abi, _places, _runtime
 from ._errors import LoadError, PluginError
 from ._version import __version__
 
@@ -41,7 +40,7 @@ def _on_log(_host: object, severity: int, text: bytes) -> None:
 
 
 # What the package offers to plugins: the same for all instances, and alive as long as the process.
-_host = _abi.sized(
+_host: Any = _abi.sized(
     _abi.sv_host, abi_minor=_abi.SV_ABI_MINOR, name=b"smartvis for Python", version=__version__.encode(), log=_on_log
 )
 
@@ -209,7 +208,7 @@ def _value_text(instance: ctypes._Pointer[Any], param_id: int, value: float) -> 
 
 def default_path() -> str:
     """The plugin of this package, or the file that ``SMARTVIS_PLUGIN`` names."""
-    return os.environ.get("SMARTVIS_PLUGIN") or str(Path(__file__).with_name("plugin") / f"smartvis{_runtime.LIBRARY}")
+    return os.environ.get("SMARTVIS_PLUGIN") or str(_places.find(f"smartvis{_runtime.LIBRARY}"))
 
 
 def load(path: str | os.PathLike[str] | None = None, id: str | None = None) -> Plugin:

@@ -12,13 +12,12 @@ from collections.abc import Sequence
 from ctypes import POINTER, c_bool, c_char, c_double, c_float, c_int32, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _runtime
+from . import _places, _runtime
 from ._errors import LoadError, SmartVisError
 
 SIDES = ("-z", "+z", "-y", "+y", "-x", "+x")  #: of a volume, at which the probe may be
@@ -77,9 +76,7 @@ class _Mark(ctypes.Structure):
 
 @cache
 def _library() -> Any:
-    own = Path(__file__).with_name("plugin") / f"smartvis_seen{_runtime.LIBRARY}"
-    clone = Path(__file__).resolve().parents[2] / "build" / f"smartvis_seen{_runtime.LIBRARY}"
-    path = own if own.exists() else clone
+    path = _places.find(f"smartvis_seen{_runtime.LIBRARY}")
     _runtime.use_one()
     try:
         library = ctypes.CDLL(str(path))

@@ -24,7 +24,9 @@ fi
 [ $code = 0 ] || missing "there is no environment"
 
 rm -rf "$folder/wheel"
-"$venv/bin/pip" wheel --quiet --no-build-isolation --no-deps --config-settings build-dir="$folder/plugin" --wheel-dir "$folder/wheel" "$source/python" ||
+# Without host_sim: it is built already, and scripts/wheel.sh has one of its own.
+"$venv/bin/pip" wheel --quiet --no-build-isolation --no-deps --config-settings build-dir="$folder/plugin" \
+    --config-settings cmake.define.SV_HOST_SIM=OFF --wheel-dir "$folder/wheel" "$source/python" ||
     missing "the wheel did not build"
 "$venv/bin/pip" install --quiet --force-reinstall --no-deps "$folder"/wheel/smartvis-*.whl || missing "the wheel did not install"
 "$venv/bin/pip" check

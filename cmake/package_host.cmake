@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: MIT
+# Whether the Python package gets host_sim: SV_PACKAGE_HOST. Who installs it with pip has the plugin's packages, and perhaps these.
+set(SV_PACKAGE_HOST OFF)
+if(NOT SV_HOST_SIM)
+  return()
+endif()
+find_package(PkgConfig QUIET)
+if(PKG_CONFIG_FOUND)
+  pkg_check_modules(SV_PACKAGE_LIBS QUIET jansson libpng libturbojpeg cairo fontconfig zlib)
+endif()
+find_library(SV_PACKAGE_CIVETWEB civetweb)
+if(SV_PACKAGE_LIBS_FOUND AND SV_PACKAGE_CIVETWEB)
+  set(SV_PACKAGE_HOST ON)
+  set(SV_PLUGIN_ONLY OFF)
+else()
+  message(STATUS "The package goes without host_sim: of scripts/packages.txt libraries are missing")
+endif()
