@@ -27,7 +27,7 @@ from smartvis.cli import main
 from smartvis.serve import Budget, Session
 
 sys.path.append(str(SOURCE / "tests/host_sim/console"))
-from console_client import Console, Page  # type: ignore[import-not-found]
+from console_client import Console, Page, until  # type: ignore[import-not-found]
 
 FEW = ("--frames", 1, "--setting", "smartvis", "--picture", 32, "--few-pictures", "--write", "depthmap", "--out")
 
@@ -128,16 +128,23 @@ def plain_mm(folder: Path) -> float:
 def on_page(folder: Path, tmp_path_factory) -> Iterator[Callable[[str], tuple[str, np.ndarray | None]]]:
     """Opens a volume in the console: what its page is told, and of some files the depthmap that it writes."""
     out = tmp_path_factory.mktemp("console")
-    console = Console(str(BUILD), ["--out", str(out), str(folder)])
-    page = Page(console, timeout=LONG)
-    page.text("hello")
+    console = Console(str(BUILD), ["--stay", "--out", str(out), str(folder)])
+
+    def let_in(pages: list[Any]) -> bool:
+        pages.append(Page(console, timeout=LONG))
+        return bool(pages[-1].open)
 
     def opened(name: str) -> tuple[str, np.ndarray | None]:
+        pages: list[Any] = []  # one for each file: a page that answers no ping while other doors are tried is closed
+        until(lambda: let_in(pages), LONG, f"{name}: the console lets no page in")
+        page = pages[-1]
+        page.must("hello")
         frame = page.show(source={"folder": 0, "path": name, "from": "probe"})
-        if name not in BITS:
-            return json.dumps(frame), None
-        page.say({"type": "do", "what": "write"})
-        return json.dumps(frame), read(Path(page.text("written")["folder"]) / "depthmap.mha")
+        if name in BITS:
+            page.say({"type": "do", "what": "write"})
+        drawn = read(Path(page.must("written")["folder"]) / "depthmap.mha") if name in BITS else None
+        page.close()
+        return json.dumps(frame), drawn
 
     yield opened
     console.end()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Where plugin, machine and ABI are looked for: of a wheel, a clone that pip installed, an editable one, a build
-folder. tests/machine/python/editable.sh installs one."""
+folder. tests/python/editable.sh installs one."""
 
 import json
 import subprocess

@@ -69,6 +69,7 @@ class Page:
         for key, value in (headers or {}).items():
             usual[key] = value
         path = path if path is not None else "/live?t=" + console.token
+        self.timeout = timeout
         self.socket = socket.create_connection((console.host, console.port), timeout=timeout)
         lines = [f"GET {path} HTTP/1.1"] + [f"{key}: {value}" for key, value in usual.items() if value is not None]
         self.socket.sendall("\r\n".join(lines + ["", ""]).encode())
@@ -154,6 +155,12 @@ class Page:
                 if one["type"] in types:
                     return one
 
+    def must(self, *types):
+        """`text` that has to come: what did not is said."""
+        one = self.text(*types)
+        holds(one is not None, f"no {' or '.join(types)} came: the console has closed the page, or was silent for {self.timeout} s")
+        return one
+
     def _take(self, data):
         assert data[:3] == b"SVP", "a binary message without its mark"
         frame, view, width, height, serial = struct.unpack("<IIHHI", data[4:20])
@@ -176,8 +183,8 @@ class Page:
         """Asks for a state and waits for its frame, which is said to be seen."""
         self.say(self.state(**changes))
         while True:
-            one = self.text("frame", "refused", "skipped")
-            if one is None or one["type"] == "refused":
+            one = self.must("frame", "refused", "skipped")
+            if one["type"] == "refused":
                 return one
             self.say({"type": "seen", "frame": one["frame"]})
             if one["type"] == "frame" and one["serial"] == self.serial:

@@ -194,10 +194,10 @@ def states_that_cannot_be_shown(page, work):
            {"camera": {"yaw": 0, "pitch": 0, "roll": 0, "zoom": 1e9}}]
     for changes in bad:
         said = page.show(**changes)
-        holds(said is not None and said["type"] == "refused" and said["text"], f"{changes}: {said}")
+        holds(said["type"] == "refused" and said["text"], f"{changes}: {said}")
         holds(os.path.realpath(work) not in said["text"], f"the page is told where the folder lies: {said}")
         good = page.show()
-        holds(good is not None and good["type"] == "frame", f"after {changes} the page shows nothing: {good}")
+        holds(good["type"] == "frame", f"after {changes} the page shows nothing: {good}")
 
 
 def let_in(console, what):
@@ -232,7 +232,7 @@ def frames_that_are_wrong(console, other):
         witness.close()
         holds(console.process.poll() is None, f"'{what}' ended the console")
         shown = other.show()
-        holds(shown is not None and shown["type"] == "frame", f"after '{what}' another page stands still")
+        holds(shown["type"] == "frame", f"after '{what}' another page stands still")
 
 
 def messages_that_are_refused(page):
