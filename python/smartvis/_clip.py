@@ -5,7 +5,6 @@ both."""
 from __future__ import annotations
 
 import atexit
-import os
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
@@ -82,12 +81,22 @@ class ClipperCache:
 
 def _marks(given: Sequence[Sequence[float]], keep: bool) -> _Marks:
     """A mark's three or four numbers, each with its kind."""
-    marks = [(*map(float, mark), 5.0)[: max(4, len(mark))] for mark in given]
+    kind = "keep" if keep else "remove"
+    try:
+        marks = [(*map(float, mark), 5.0)[: max(4, len(mark))] for mark in given]
+    except (TypeError, ValueError):
+        raise ValueError(f"{kind}={given!r}, expected a list of (x, y, z) or (x, y, z, radius) in mm") from None
     for mark in marks:
         if len(mark) != 4 or not np.isfinite(mark).all() or mark[3] <= 0:
-            kind = "keep" if keep else "remove"
             raise ValueError(f"{kind}={mark}, expected (x, y, z) or (x, y, z, radius above 0) in mm")
     return [(mark, keep) for mark in marks]
+
+
+def _checked_lowres(lowres: Any) -> int:
+    """ValueError: it is no number of pixels; the largest the machine knows."""
+    if isinstance(lowres, (int, np.integer)) and lowres >= 0:
+        return int(lowres)
+    raise ValueError(f"lowres={lowres!r}, expected a whole number of pixels; 0: of 1 mm")
 
 
 def _checked_side(probe: Any) -> Any:
@@ -166,7 +175,7 @@ class Clipper:
         self._view, self._scanned, self._padding = view, scanned, padding
         self._probe, self._beams = _checked_side(probe), beams
         self._window = checked_window(window)
-        self._lowres = lowres
+        self._lowres = _checked_lowres(lowres)
         self._marks = _marks(remove, False) + _marks(keep, True)
         self._buffer = np.zeros(self._shape, np.uint8) if buffer is True else checked_buffer(buffer)
         self._parameters = ({} if method is None else {"method": method}) | parameters
@@ -189,10 +198,10 @@ class Clipper:
         discontinuity: bool = True,
         same_volume: bool = False,
     ) -> Result:
-        """Clips one volume: an array or a SimpleITK image. `scanned`, `view`, `probe` and `beams` stand instead of the
-        clipper's own. `time_ns`: when it was acquired, 0: unknown. `discontinuity`: False: it continues the volume
-        before, as those of a probe that is held on, and what that taught still holds. `same_volume`: it is the one
-        before, by another camera or with other values."""
+        """Clips one volume: an array, a SimpleITK image or a file's name. `scanned`, `view`, `probe` and `beams` stand
+        instead of the clipper's own. `time_ns`: when it was acquired, 0: unknown. `discontinuity`: False: it continues
+        the volume before, as those of a probe that is held on, and what that taught still holds. `same_volume`: it is
+        the one before, by another camera or with other values."""
         of = given(volume)
         if of.voxels.shape != self._shape:
             raise ValueError(f"the volume has shape {of.voxels.shape}, expected {self._shape}")
@@ -385,10 +394,6 @@ def clip(
     >>> int(result.apply(volume)[5, 24, 24]), int(result.apply(volume)[50, 24, 24])
     (0, 200)
     """
-    if isinstance(volume, (str, os.PathLike)):
-        from ._files import Source
-
-        volume = Source(volume).only()
     how: dict[str, Any] = {"view": view, "scanned": scanned, "probe": probe, "beams": beams, "method": method}
     how |= {"window": window, "lowres": lowres, "keep": keep, "remove": remove, "plugin": plugin}
     of = given(volume)

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 
 from . import _places, _runtime
 from ._errors import HostError
+from ._words import of_an_argument
 
 _NAME = "host_sim.exe" if _runtime.WINDOWS else "host_sim"
 _OWN = _places.own(_NAME)
@@ -38,8 +39,9 @@ def find() -> str:
     )
 
 
-def run(arguments: Sequence[str], folder: str | None = None) -> str:
-    """Runs host_sim in a folder and returns what it prints; HostError with its own line and exit code if it fails."""
+def run(arguments: Sequence[str], folder: str | None = None, **names: str) -> str:
+    """Runs host_sim in a folder and returns what it prints; HostError with its own line and exit code if it fails.
+    `names`: by option, what the argument is called that it was made of."""
     program = find()
     environment = _environment(program)
     command = [os.path.abspath(program), *arguments]
@@ -51,7 +53,7 @@ def run(arguments: Sequence[str], folder: str | None = None) -> str:
         lines = [line for line in ended.stderr.strip().splitlines() if not line.startswith("Fontconfig ")]
         first = lines[0] if lines else f"ended with code {ended.returncode} and said nothing"
         cure = _runtime.cure(ended.stderr, environment) if ended.returncode == _OPENCL else ""
-        raise HostError(first + cure, ended.returncode)
+        raise HostError(of_an_argument(first, **names) + cure, ended.returncode)
     return ended.stdout
 
 

@@ -75,5 +75,5 @@ def render(
         what = ["--volume", "volume.mha", "--map", "surface.mha", "--lowres", str(len(depths))]
         how = ["--frames", "1", "--setting", "smartvis", "--picture", str(size), "--panel", str(size)]
         few = ["--few-pictures"] if kind in ("result", "full") else []
-        _host.run(["run", *what, *how, *few, "--out", "."], folder)
+        _host.run(["run", *what, *how, *few, "--out", "."], folder, picture="size")
         return Picture((Path(folder) / f"{kind}.png").read_bytes())

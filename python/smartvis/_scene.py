@@ -82,9 +82,9 @@ def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> 
         arguments += ["--seed", str(seed)] if seed else []
         arguments += ["--frames", str(frame + 1)] if frame else []
         try:
-            _host.run(arguments)
+            _host.run(arguments, frames="frame + 1")
         except HostError as error:
-            if error.code is None or Path(name).exists():
+            if not str(error).startswith("host_sim scenes: ") or Path(name).exists():  # an argument, or no host
                 raise
             known = f"{', '.join(CASES)}, the hard ones from H01 on, random ones such as R7_3, or a scene file"
             raise HostError(f"{error}; scenes are {known}", error.code) from None

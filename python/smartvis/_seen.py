@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from . import _places, _runtime
 from ._errors import LoadError, SmartVisError
+from ._words import in_python
 
 SIDES = ("-z", "+z", "-y", "+y", "-x", "+x")  #: of a volume, at which the probe may be
 _PADDING = {"auto": 0, "all": 1, "zeros": 2}
@@ -157,10 +158,10 @@ class Levels:
         self.has_beams = bool(v.has_beams)  #: it is seen in the probe's geometry: between rays' ends 0 may lie
         self._voxels = self._mask = None  # type: ignore[assignment]  # only the levels are read from here on
         v.bytes = v.values = v.mask = v.kretz = None
-        self.doubt: str = v.doubt.decode()  #: what is not plausible about the size, or ""
+        self.doubt: str = in_python(v.doubt.decode())  #: what is not plausible about the size, or ""
         self.low: float = v.low  #: the value that became 0, ...
         self.high: float = v.high  #: ... and that which became 255
-        self.question: str = v.question.decode()  #: what to ask of where the probe was, or ""
+        self.question: str = in_python(v.question.decode())  #: what to ask of where the probe was, or ""
         self.outside: float | None = v.outside if v.has_outside else None  #: what lies outside the scan
 
     def plan(self, rotation: NDArray[np.float64] | None = None, lowres: int = 0) -> Grid:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -29,9 +30,13 @@ class Given:
 
 
 def given(volume: Any) -> Given:
-    """An array or a SimpleITK image. ValueError: it is no volume."""
+    """An array, a SimpleITK image or a file's name. ValueError: it is no volume."""
     if isinstance(volume, Given):
         return volume
+    if isinstance(volume, (str, os.PathLike)):
+        from ._files import Source
+
+        volume = Source(volume).only()
     if _images.is_image(volume):
         spacing = volume.GetSpacing() if _images.says_spacing(volume) else None
         what = (spacing, volume.GetDirection(), _images.probe(volume), _images.kretz(volume))
@@ -55,6 +60,7 @@ def to_uint8(volume: NDArray[Any], window: tuple[float, float] | None = None) ->
     >>> to_uint8(np.array([[[-100, 0, 155]]]), window=(0, 310)).tolist()
     [[[0, 0, 128]]]
     """
+    volume = np.asarray(volume)
     if volume.dtype == np.uint8 and window is None:
         return volume
     return Levels(volume, window=checked_window(window)).levels

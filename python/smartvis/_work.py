@@ -18,6 +18,7 @@ from ._plugin import Plugin, load
 from ._products import depth_image, mesh, quick_look, small_look
 from ._result import Result
 from ._volume import to_uint8
+from ._words import on_command_line
 
 PRODUCTS = ("clipped", "depth", "mesh", "look")
 
@@ -123,7 +124,7 @@ def clip_one(
 def _describe(row: Row, result: Result) -> None:
     row.outcome = result.outcome.name
     row.points = result.statistics.points
-    row.why, row.doubt = result.why, result.doubt
+    row.why, row.doubt = on_command_line(result.why), on_command_line(result.doubt)
     row.try_this = " ".join(f"--set {key}={value}" for key, value in result.try_this.items())
     row.unit = "mm" if result.spacing_known else "voxels"
     clips = result.depth > 0

@@ -31,6 +31,7 @@ from ._errors import SmartVisError
 from ._igtl import Channel, PeerGone, ProtocolError, Refused, image_message, messages, string_message
 from ._plugin import Plugin
 from ._result import Result
+from ._words import on_command_line
 from ._work import Settings
 
 log = logging.getLogger("smartvis.serve")
@@ -199,7 +200,8 @@ class Session:
             spacing = tuple(float(f"{length:.7g}") for length in lengths)  # a message has 32 bits a number
             result = self._settings.clip(volume, self._cache, spacing)
             clipped = result.apply(volume)
-            said = (result.outcome.name, result.why, result.doubt if result.doubt != result.why else "")
+            doubt = result.doubt if result.doubt != result.why else ""
+            said = (result.outcome.name, *map(on_command_line, (result.why, doubt)))  # the server's own options
         except (SmartVisError, ValueError, MemoryError) as error:
             return [string_message(f"{name}_outcome", f"ERROR {error}", message.timestamp)]
         return [

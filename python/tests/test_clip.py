@@ -135,6 +135,11 @@ def test_scanned_ranges_masks_and_auto_agree(volume: np.ndarray) -> None:
         ({"knob": 1}, "no parameter 'knob'"),
         ({"q": "half"}, "q='half' is not a number"),
         ({"spacing": (1, 1)}, "spacing=(1, 1)"),
+        *(({"spacing": wrong}, f"spacing={wrong}, expected (x, y, z): mm between voxels") for wrong in (0.5, "mm")),
+        ({"window": 5}, "window=5, expected two finite numbers"),
+        ({"keep": 5}, "keep=5, expected a list of (x, y, z)"),
+        ({"remove": [5]}, "remove=[5], expected a list of (x, y, z)"),
+        *(({"lowres": wrong}, f"lowres={wrong}, expected a whole number of pixels") for wrong in (1.5, -1)),
         ({"q": None}, "q=None is not a number"),
         ({"spacing": (1, 0, 1)}, "spacing=(1, 0, 1)"),
         ({"spacing": (1, 1e308, 1)}, "spacing=(1, 1e+308, 1)"),
@@ -154,6 +159,16 @@ def test_scanned_ranges_masks_and_auto_agree(volume: np.ndarray) -> None:
 def test_wrong_values_are_named(volume: np.ndarray, keywords: dict, words: str) -> None:
     with pytest.raises(ValueError, match=re.escape(words)):
         smartvis.clip(volume, **({"spacing": (1, 1, 1)} | keywords))
+
+
+def test_what_is_doubted_is_said_in_python(volume: np.ndarray) -> None:
+    fan = smartvis.scene("D01", size=64)
+    for result, said in (
+        (smartvis.clip(volume, (10, 10, 10)), "spacing=(x, y, z) says it (mm)"),
+        (smartvis.clip(volume), "spacing=(x, y, z) says it (mm)"),
+        (smartvis.clip(fan.full, fan.spacing, probe="+z"), "is the probe there? probe='-z'"),
+    ):
+        assert said in result.doubt and "--" not in repr(result) + result.doubt
 
 
 @pytest.mark.parametrize("fill", [256, -1, 0.5, np.nan])

@@ -80,7 +80,7 @@ def test_what_the_host_refuses_is_an_exception(d01: smartvis.Scene, monkeypatch)
     with pytest.raises(HostError) as caught:
         smartvis.scene("Z99")
     assert "Z99" in str(caught.value) and caught.value.code == 3
-    with pytest.raises(HostError, match="31 is outside 32 .. 512"):
+    with pytest.raises(HostError, match="^size: 31 is outside 32 .. 512$"):
         smartvis.scene("D01", size=31)
     with pytest.raises(ValueError, match="as many rows as columns"):
         smartvis.measure(d01, np.zeros((3, 4)))
