@@ -65,14 +65,42 @@ def says_spacing(image: Any) -> bool:
     return not image.HasMetaDataKey(NOT_SAID)
 
 
+class _Voxels:
+    """The base of an array that shows an image's memory: it keeps the image alive, which SimpleITK's view does not."""
+
+    def __init__(self, image: Any) -> None:
+        self.image = image
+        self.__array_interface__ = sitk().GetArrayViewFromImage(image).__array_interface__
+
+
 def array(image: Any) -> NDArray[Any]:
-    """The voxels [z, y, x]: a view into the image."""
+    """The voxels [z, y, x]: a view into the image, which lives as long."""
     if image.GetDimension() != 3 or image.GetNumberOfComponentsPerPixel() != 1:
         raise ValueError(
             f"the image has {image.GetDimension()} dimensions and {image.GetNumberOfComponentsPerPixel()} values "
             "a voxel, expected 3 and 1"
         )
-    return np.asarray(sitk().GetArrayViewFromImage(image))
+    return np.asarray(_Voxels(image))
+
+
+def of(volume: NDArray[Any], spacing: Any) -> Any:
+    """An array as an image, at the origin; `spacing` is None if nobody knows it."""
+    image = sitk().GetImageFromArray(volume.astype(np.uint8) if volume.dtype == bool else volume)
+    if spacing is None:
+        image.SetMetaData(NOT_SAID, "1")
+    else:
+        image.SetSpacing([float(length) for length in spacing])
+    return image
+
+
+def axes(image: Any) -> NDArray[np.float64]:
+    """Where x, y and z lead in the image's world, as columns."""
+    return np.array(image.GetDirection(), np.float64).reshape(3, 3)
+
+
+def in_world(image: Any, mm: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Places in mm from the centre of voxel (0, 0, 0) along x, y and z, in the image's world."""
+    return np.asarray(mm @ axes(image).T + np.array(image.GetOrigin()))
 
 
 def like(image: Any, voxels: NDArray[Any]) -> Any:

@@ -7,6 +7,7 @@ import struct
 import sys
 import tempfile
 import webbrowser
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,18 @@ from ._view import Camera, on_square
 from ._volume import to_uint8
 
 KINDS = ("panel", "slices", "result", "full", "depthmap")
+
+
+def png_of(rgb: NDArray[np.uint8]) -> bytes:
+    """A picture [y, x, rgb] as PNG."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    height, width, _ = rgb.shape
+    rows = np.pad(rgb.reshape(height, -1), ((0, 0), (1, 0)))  # a row begins with its filter: none
+    head = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+    return b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", zlib.compress(rows.tobytes())) + chunk(b"IEND", b"")
 
 
 class Picture:

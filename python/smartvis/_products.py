@@ -3,17 +3,24 @@
 
 from __future__ import annotations
 
+import base64
 import math
+from html import escape
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _images
-from ._errors import extra_module
+from ._errors import HostError, extra_module
+from ._files import whole, write_image, write_ply
+from ._picture import png_of
 from ._result import Result, smallest
 from ._seen import Levels
+from ._volume import given, to_uint8
 
+PRODUCTS = ("clipped", "depth", "mesh", "look")
 _WIDEST = 4  # times its height, of a panel
 
 
@@ -24,10 +31,8 @@ def depth_image(image: Any, result: Result) -> Any:
     camera = result.camera
     made = sitk.GetImageFromArray(result.depth_mm[None])
     made.SetSpacing([float(s) for s in camera.spacing])
-    direction = np.array(image.GetDirection()).reshape(3, 3)
-    made.SetDirection((direction @ camera.rotation.T).ravel().tolist())
-    first = camera.to_volume_mm(np.zeros(3))
-    made.SetOrigin((np.array(image.GetOrigin()) + direction @ first).tolist())
+    made.SetDirection((_images.axes(image) @ camera.rotation.T).ravel().tolist())
+    made.SetOrigin(_images.in_world(image, camera.to_volume_mm(np.zeros(3))).tolist())
     if not result.spacing_known:
         made.SetMetaData(_images.NOT_SAID, "1")
     return made
@@ -54,9 +59,7 @@ def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArra
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     vertices, faces, _, _ = marching_cubes(clipped, level)
     index = vertices[:, ::-1].astype(np.float64) - 1.0
-    direction = np.array(image.GetDirection()).reshape(3, 3)
-    world = (index * np.array(image.GetSpacing())) @ direction.T + np.array(image.GetOrigin())
-    return world, faces.astype(np.int64)
+    return _images.in_world(image, index * np.array(image.GetSpacing())), faces.astype(np.int64)
 
 
 def _tissue(volume: NDArray[Any], result: Result, threshold_otsu: Any) -> float:
@@ -69,14 +72,15 @@ def _tissue(volume: NDArray[Any], result: Result, threshold_otsu: Any) -> float:
     return levels.low + (at + 0.5) / 255.0 * (levels.high - levels.low)
 
 
-def quick_look(volume: NDArray[np.uint8], result: Result) -> NDArray[np.uint8]:
+def quick_look(volume: Any, result: Result) -> NDArray[np.uint8]:
     """Three panels [y, x, rgb] as the camera sees them: the volume's brightest voxels, what is left shaded by its
-    first tissue, and a cut down the middle with the surface on it. A voxel is a pixel."""
+    first tissue, and a cut down the middle with the surface on it. A voxel is a pixel. `volume`: whatever `clip` takes,
+    of the shape that was clipped; None: what was clipped."""
     panels = _panels(volume, result)
     return np.concatenate([_to_height(panel, len(panels[0])) for panel in panels], axis=1)
 
 
-def small_look(volume: NDArray[np.uint8], result: Result, height: int = 128) -> NDArray[np.uint8]:
+def small_look(volume: Any, result: Result, height: int = 128) -> NDArray[np.uint8]:
     """`quick_look` with so many rows, in which millimetres are as long across as down."""
     x, y, z = result.camera.spacing
     small = []
@@ -86,8 +90,63 @@ def small_look(volume: NDArray[np.uint8], result: Result, height: int = 128) -> 
     return np.concatenate([_to_height(panel, height) for panel in small], axis=1)
 
 
-def _panels(volume: NDArray[np.uint8], result: Result) -> list[NDArray[np.uint8]]:
-    seen = result.camera.see(volume)
+def write(
+    image: Any, result: Result, prefix: Path, product: str, suffix: str = ".nrrd", level: float | None = None
+) -> Path:
+    """One of PRODUCTS, or the "small" look, beside `prefix`. `suffix` is of volumes, `level` the mesh's."""
+    own = {"mesh": ".ply", "look": ".png", "small": ".png"}.get(product, suffix)
+    return _write(image, result, prefix.with_name(f"{prefix.name}_{product}{own}"), product, level)
+
+
+def _write(image: Any, result: Result, path: Path, product: str, level: float | None = None) -> Path:
+    if product == "mesh":
+        return write_ply(path, *mesh(image, result, level), mm=result.spacing_known)
+    if product == "clipped":
+        return write_image(path, result.apply(image))
+    if product == "depth":
+        return write_image(path, depth_image(image, result))
+    look = (small_look if product == "small" else quick_look)(image, result)
+    return whole(path, lambda part: part.write_bytes(png_of(look)))
+
+
+def save(result: Result, path: Path) -> list[Path]:
+    """The files that a name stands for, see Result.save."""
+    suffix = path.suffix.lower()
+    if suffix == ".npz":
+        maps = {name: getattr(result, name) for name in ("depth", "depth_mm", "status", "confidence")}
+        known = {name: values for name, values in maps.items() if values is not None}
+        return [whole(path, lambda part: _save_maps(part, known))]
+    if suffix == ".png":
+        return [_write(result.source, result, path, "look")]
+    image = result.source
+    if not _images.is_image(image):
+        image = _images.of(given(image).voxels, result.camera.source_spacing if result.spacing_known else None)
+    if not suffix:
+        return [write(image, result, path / "result", product) for product in PRODUCTS]
+    return [_write(image, result, path, "mesh" if suffix == ".ply" else "clipped")]
+
+
+def _save_maps(path: Path, maps: dict[str, NDArray[Any]]) -> None:
+    with open(path, "wb") as file:  # numpy would add a suffix to a name
+        np.savez_compressed(file, **maps)  # type: ignore[arg-type]
+
+
+def figure_of(result: Result) -> str:
+    """HTML: the picture, by the host where there is one, and what came of it."""
+    try:
+        png = result.picture(size=256).png
+    except HostError:
+        png = png_of(quick_look(None, result))
+    said = repr(result)[1:-1].removeprefix("Result ")
+    picture = f'<img src="data:image/png;base64,{base64.b64encode(png).decode()}" alt="full volume and result">'
+    return f"<figure>{picture}<figcaption>{escape(said)}</figcaption></figure>"
+
+
+def _panels(volume: Any, result: Result) -> list[NDArray[np.uint8]]:
+    voxels = to_uint8(given(result.source if volume is None else volume).voxels, result.window)
+    if voxels.shape != result.camera.source_shape:
+        raise ValueError(f"volume has shape {voxels.shape}, what was clipped had {result.camera.source_shape}")
+    seen = result.camera.see(voxels)
     tissue = int(seen.mean() + seen.std()) + 1
     z = np.arange(seen.shape[0], dtype=np.float32)[:, None, None]
     left = np.where(z >= (result.depth if result.clips else 0), seen, 0)

@@ -5,13 +5,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _images
 from ._picture import Picture, render
 from ._view import Camera
+
+_Volume = TypeVar("_Volume")  # an array of any type, or an image
 
 
 class Outcome(Enum):
@@ -92,18 +96,19 @@ class Result:
             return np.ones(self.camera.source_shape, bool)
         return self.camera.behind(self.depth)
 
-    def apply(self, volume: Any, fill: float | None = None) -> Any:
+    def apply(self, volume: _Volume, fill: float | None = None) -> _Volume:
         """The clipped volume: a copy in which what hides the fetus holds `fill`. None: 0 in uint8, in other types the
         volume's smallest value, so that black stays black.
 
         `volume` is an array of the shape that was clipped, of any type, or a SimpleITK image of that size; an
         image comes back as an image with its spacing, origin and directions.
         """
-        if hasattr(volume, "CopyInformation"):
-            from . import _images
+        if _images.is_image(volume):
+            clipped: _Volume = _images.like(volume, self._apply(_images.array(volume), fill))
+            return clipped
+        return self._apply(np.asarray(volume), fill)  # type: ignore[return-value]
 
-            return _images.like(volume, self.apply(_images.array(volume), fill))
-        volume = np.asarray(volume)
+    def _apply(self, volume: NDArray[Any], fill: float | None) -> NDArray[Any]:
         if volume.shape != self.camera.source_shape:
             raise ValueError(f"volume has shape {volume.shape}, what was clipped had {self.camera.source_shape}")
         if fill is None:
@@ -128,11 +133,25 @@ class Result:
         """Opens `picture`."""
         self.picture(volume, kind, size).show()
 
-    def surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """The clipping surface as triangles: vertices in mm (x, y, z of the volume) and faces.
+    def _repr_html_(self) -> str:
+        """For a notebook: the picture, how deep, why, and what is doubted."""
+        from ._products import figure_of
 
-        A vertex is a pixel that clips; voxel (0, 0, 0) has its centre at (0, 0, 0). Both are empty if nothing
-        is clipped.
+        return figure_of(self)
+
+    def save(self, path: str | Path) -> list[Path]:
+        """Writes the result by the name's suffix: .png the picture of `quick_look`, .npz the maps, .ply the mesh of
+        what is left, and of .nrrd, .mha, .nii.gz and others the clipped volume. Without one it is a folder for all that
+        `smartvis clip` writes. The files' names."""
+        from ._products import save
+
+        return save(self, Path(path))
+
+    def surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """The clipping surface as triangles: vertices in mm and faces, whose front looks at the camera.
+
+        A vertex is a pixel that clips. Of a SimpleITK image they lie in its world, as its results' files do; of an
+        array along x, y, z from the centre of voxel (0, 0, 0). Both are empty if nothing is clipped.
         """
         clips = (self.depth > 0) & self.clips
         number = np.cumsum(clips.ravel()).reshape(clips.shape) - 1
@@ -141,5 +160,8 @@ class Result:
         whole = clips[:-1, :-1] & clips[:-1, 1:] & clips[1:, :-1] & clips[1:, 1:]
         a, b = number[:-1, :-1][whole], number[:-1, 1:][whole]
         c, d = number[1:, :-1][whole], number[1:, 1:][whole]
-        faces = np.concatenate([np.stack([a, c, b], -1), np.stack([b, c, d], -1)])
-        return vertices, faces.astype(np.int64)
+        faces = np.concatenate([np.stack([a, c, b], -1), np.stack([b, c, d], -1)]).astype(np.int64)
+        if not _images.is_image(self.source):
+            return vertices, faces
+        turned = np.linalg.det(_images.axes(self.source)) < 0  # by left-handed axes the front becomes the back
+        return _images.in_world(self.source, vertices), faces[:, ::-1] if turned else faces

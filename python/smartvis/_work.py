@@ -8,19 +8,13 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from . import _images
 from ._clip import ClipperCache, clip
 from ._errors import FileError, PluginError, SmartVisError
-from ._files import Source, stem, write_image, write_ply
+from ._files import Source, stem
 from ._plugin import Plugin, load
-from ._products import depth_image, mesh, quick_look, small_look
+from ._products import PRODUCTS, write
 from ._result import Result
-from ._volume import to_uint8
 from ._words import on_command_line
-
-PRODUCTS = ("clipped", "depth", "mesh", "look")
 
 
 @dataclass(frozen=True)
@@ -111,8 +105,9 @@ def clip_one(
     try:
         start = time.perf_counter()
         prefix = out / name_of(source, frame)
-        row.files = " ".join(_write(image, result, settings, prefix, what).name for what in settings.products)
-        row.picture = _write(image, result, settings, prefix, "small").name if small else ""
+        made = (write(image, result, prefix, what, settings.suffix, settings.level) for what in settings.products)
+        row.files = " ".join(path.name for path in made)
+        row.picture = write(image, result, prefix, "small").name if small else ""
         row.write_ms = 1e3 * (time.perf_counter() - start)
     except MemoryError:
         row.state, row.reason = "output", f"{source.path}: no memory to write its results"
@@ -130,16 +125,3 @@ def _describe(row: Row, result: Result) -> None:
     clips = result.depth > 0
     row.clipped_share = float(clips.mean())
     row.depth_mm = float(result.depth_mm[clips].mean()) if clips.any() else 0.0
-
-
-def _write(image: Any, result: Result, settings: Settings, prefix: Path, product: str) -> Path:
-    suffix = {"mesh": ".ply", "look": ".png", "small": ".png"}.get(product, settings.suffix)
-    path = prefix.with_name(f"{prefix.name}_{product}{suffix}")
-    if product == "mesh":
-        return write_ply(path, *mesh(image, result, settings.level), mm=result.spacing_known)
-    if product == "clipped":
-        return write_image(path, result.apply(image))
-    if product == "depth":
-        return write_image(path, depth_image(image, result))
-    look = (small_look if product == "small" else quick_look)(to_uint8(_images.array(image), settings.window), result)
-    return write_image(path, _images.sitk().GetImageFromArray(np.ascontiguousarray(look), isVector=True))

@@ -21,9 +21,10 @@ from . import __version__, _kretz, _process, _runtime
 from ._errors import FileError, HostError, LoadError, OutputError, PluginError, SmartVisError
 from ._files import Source, stem
 from ._plugin import Parameter, load
+from ._products import PRODUCTS
 from ._seen import SIDES
 from ._view import PLACES
-from ._work import PRODUCTS, Row, Settings, clip_one, name_of
+from ._work import Row, Settings, clip_one, name_of
 
 OK, FAILED, USAGE, INPUT, PLUGIN, OUTPUT = 0, 1, 2, 3, 4, 6
 CODES = {"ok": OK, "input": INPUT, "plugin": PLUGIN, "output": OUTPUT}
