@@ -128,7 +128,7 @@ def test_every_door_of_the_host_refuses(inside: Path, name: str) -> None:
 
 def test_the_console_refuses_them_and_goes_on(inside: Path, monkeypatch) -> None:
     """The last of the doors: one page asks for all of them in turn, and then for one that is right."""
-    monkeypatch.syspath_prepend(str(SOURCE / "tests" / "machine" / "console"))
+    monkeypatch.syspath_prepend(str(SOURCE / "tests" / "host_sim" / "console"))
     client = importlib.import_module("console_client")
     for name in OF_THE_HOST:
         (inside / name).write_bytes(HOSTILE[name][0])
