@@ -52,7 +52,7 @@ function markShown(fresh) {
   if (!other && !link.late && (link.waiting || text.serial !== state.serial))
     link.late = setTimeout(() => { body.shows = "older"; }, LATE_MS);
   at("copy").disabled = other;
-  at("shown").textContent = (other ? "Still shown: " : "Shown: ") + nameOfSource(text.of.source);
+  at("shown").title = at("shown").textContent = (other ? "Still shown: " : "Shown: ") + nameOfSource(text.of.source);
 }
 
 function send(message) {

@@ -7,7 +7,7 @@ const at = (id) => document.getElementById(id);
 function notice(text, quiet) {
   const box = at("notice");
   box.hidden = text === "";
-  box.textContent = text;
+  box.firstElementChild.textContent = text;
   box.dataset.serial = state.serial; /* no frame of an earlier state takes it away */
   box.classList.toggle("quiet", quiet);
 }
@@ -35,7 +35,7 @@ function fillSources(hello) {
 function showChosenSource() {
   at("source").value = sourceKey(state.source);
   at("from").value = state.source.from;
-  for (const label of document.querySelectorAll(".of-scene")) label.hidden = !state.source.scene;
+  for (const label of document.querySelectorAll(".of-scene")) label.toggleAttribute("data-gone", !state.source.scene);
   if (!state.source.scene) return;
   at("size").value = String(state.source.size);
   at("volumes").value = String(state.source.volumes);
@@ -224,6 +224,7 @@ function showSettings() {
 
 function onKey(event) {
   const where = event.target;
+  if (event.key === "Escape") notice("", true);
   if (event.altKey || where.matches("input[type=number], input[type=text], textarea, select")) return;
   if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
     event.preventDefault();
@@ -273,6 +274,7 @@ function listen() {
   at("write").addEventListener("click", () => send({ type: "do", what: "write" }));
   at("copy").addEventListener("click", () => copyFrom(at("line")));
   at("copy-report").addEventListener("click", () => copyFrom(at("report")));
+  at("notice-away").addEventListener("click", () => notice("", true));
   document.addEventListener("keydown", onKey);
   setInterval(rate, 500);
 }

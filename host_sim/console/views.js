@@ -228,8 +228,8 @@ function figureOf(view) {
   }, canvas);
   const caption = make("figcaption", { text: TITLES[view] });
   const figure = make("figure", slice ? { class: "slice" } : {}, screen, caption);
-  if (view === "depthmap") figure.append(depthLegend());
-  const one = { figure, screen, canvas, caption, ends: {} };
+  const one = { figure, screen, canvas, caption, ends: {}, legend: view === "depthmap" ? depthLegend() : make("div", { class: "legend" }) };
+  screen.append(one.legend);
   for (const side of ["left", "right", "up", "down"]) {
     one.ends[side] = make("span", { class: "end", "data-side": side });
     screen.append(one.ends[side]);
@@ -254,13 +254,12 @@ function figureOf(view) {
 
 /* What the ground truth and the depthmap show is told where they show it. */
 function placeLegends(source) {
-  viewOf("depthmap").figure.querySelectorAll("output").forEach((end, i) => {
+  viewOf("depthmap").legend.querySelectorAll("output").forEach((end, i) => {
     end.textContent = source.depth_mm[1] ? source.depth_mm[i].toFixed(0) + unitOf(source.mm) : "";
   });
-  viewOf("truth").caption.textContent = TITLES.truth + (source.truth_cut ? ". Grey: touches the occluder, cut" : "");
+  viewOf("truth").legend.textContent = source.truth_cut ? "Grey: touches the occluder, cut" : "";
 }
 
-/* A bar of a round length in every slice, a third of the picture at most. */
 /* A round length that a picture of that width has room for. */
 function scaleOf(window_mm) {
   return [100, 50, 20, 10, 5, 2, 1].find((length) => length <= window_mm / 3) || 1;
@@ -375,7 +374,7 @@ function paint(view, bitmap) {
 function captionOf(view, lane, name) {
   const one = canvases[view];
   if (!one || !one.caption) return;
-  one.caption.textContent = "Result" + (name ? " " + name : "") + (!lane.clipped ? ": not clipped" : lane.doubtful ? ": doubtful, the fetus may be cut" : "");
-  if (lane.failed) one.caption.append(make("span", { class: "why", text: lane.words }));
+  one.caption.textContent = "Result" + (name ? " " + name : "") + (!lane.clipped ? ": not clipped" : lane.doubtful ? ": doubtful" : "");
+  one.legend.textContent = lane.failed ? lane.words : lane.clipped && lane.doubtful ? "Doubtful: the fetus may be cut" : "";
   one.figure.classList.toggle("failed", lane.failed);
 }

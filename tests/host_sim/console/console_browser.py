@@ -269,12 +269,12 @@ def gain_and_contrast(b):
 
 def grey_is_told_where_it_is_shown(b):
     """The truth of D01 touches nothing; that of M02 does, and shows it in grey, from the probe alone."""
-    truth, grey = "return canvases.truth.caption.textContent", "Ground truth. Grey: touches the occluder, cut"
-    holds(b.run(truth) == "Ground truth", f"D01: {b.run(truth)}")
+    truth, grey = "return canvases.truth.legend.textContent", "Grey: touches the occluder, cut"
+    holds(b.run(truth) == "", f"D01: {b.run(truth)}")
     choose(b, "source", "scene M02", then="M02")
     holds(b.run(truth) == grey, f"M02: {b.run(truth)}")
     b.run("turn(20, 0)", then="M02, turned")
-    holds(b.run(truth) == "Ground truth", f"M02, turned: {b.run(truth)}")
+    holds(b.run(truth) == "", f"M02, turned: {b.run(truth)}")
     b.run("turn(-20, 0)")
     choose(b, "source", "scene D01", then="D01 again")
 
@@ -311,7 +311,7 @@ def a_crash(b):
     b.run("setValue(0, lanes[0].params.find(p => p.key === 'fail'), 4, false)", then="the crash")
     words = b.run("return at('outcome').textContent")
     holds("crashed: SIGSEGV" in words, f"the outcome is '{words}'")
-    holds("crashed: SIGSEGV" in b.run("return canvases.result.caption.textContent"), "the view does not say why")
+    holds("crashed: SIGSEGV" in b.run("return canvases.result.legend.textContent"), "the view does not say why")
     holds(pixels(b, "result") == pixels(b, "full") != clipped, "the view is not unclipped")
     for i in range(5):  # more often than the guard starts it anew
         b.run("turn(3, 0)", then=f"the crash, {i + 2}")

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: MIT
+"""What a hand does on the console's page, at four sizes, by mouse and touch, while every message comes and goes: nothing moves under
+it, and what it paints, drags and measures lies where it was."""
+
+import sys
+
+from console_client import holds
+from console_look import a_page, settle
+
+BUILD = sys.argv[1]
+SIZES = ((390, 844), (768, 1024), (1280, 800), (1440, 900))
+LONG = "A message of many words, which a console has to say about a volume that cannot be read: " * 4
+
+# Where every picture, its control and its tools are on the page.
+PLACES = """
+    const of = (e) => { const r = e.getBoundingClientRect(); return [r.left + scrollX, r.top + scrollY, r.width, r.height].map((x) => Math.round(x * 10) / 10); };
+    return Object.fromEntries([...Object.keys(canvases).map((view) => [view, of(canvases[view].screen)]),
+        ...['remove', 'measure', 'primary0'].map((id) => [id, of(at(id))])]);"""
+
+# All that the page may say without being asked, one after the other: what it calls, and what it says then.
+SAID = {
+    "an error": "notice(arguments[0], false)",
+    "what is under way": "takeText({ type: 'busy', text: arguments[0] })",
+    "a refusal": "takeText({ type: 'refused', text: arguments[0] })",
+    "no message": "notice('', true)",
+    "an outcome with its reason": "showFigures({ ...lastFigures, lanes: lastFigures.lanes.map((l) => ({ ...l, clipped: false, doubtful: false, words: arguments[0], why: arguments[0] })) })",
+    "a doubtful outcome": "showFigures({ ...lastFigures, lanes: lastFigures.lanes.map((l) => ({ ...l, doubtful: true, words: arguments[0] })) })",
+    "a failure": "showFigures({ ...lastFigures, lanes: lastFigures.lanes.map((l) => ({ ...l, clipped: false, failed: true, words: arguments[0] })) })",
+    "a doubt about the spacing": "showFigures({ ...lastFigures, source: { ...lastFigures.source, doubt: arguments[0], question: arguments[0] } })",
+    "a long name": "showFigures({ ...lastFigures, of: { ...lastFigures.of, source: { folder: 0, path: arguments[0], from: 'probe' } } })",
+    "several volumes": "showFigures({ ...lastFigures, source: { ...lastFigures.source, volumes: 9 } })",
+    "how the patient lies": "showFigures({ ...lastFigures, source: { ...lastFigures.source, patient: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], probe: [0, 0, -1], truth_cut: true } })",
+    "a file without a truth": "state.source = { folder: 0, path: 'x.mha', from: 'probe' }; showChosenSource()",
+    "what was written": "showWritten({ of: lastFigures.of, folder: arguments[0], names: [] })",
+    "a brush": "chooseBrush('remove')",
+    "another brush": "chooseBrush('keep')",
+    "no brush": "chooseBrush('keep')",
+    "measuring": "measure(true)",
+    "no measuring": "measure(false)",
+    "the first frame again": "state.source = structuredClone(window.first.of.source); showChosenSource(); showFigures(window.first)",
+}
+
+
+def size(b, wide, high):
+    b.devtools("Emulation.setDeviceMetricsOverride", width=wide, height=high, deviceScaleFactor=1, mobile=False)
+    b.run("scrollTo(0, 0)", then=f"{wide} pixels")
+
+
+def nothing_moves(b, what):
+    """Whatever is said, pictures, their control and the tools stay where they are."""
+    b.run("window.first = structuredClone(lastFigures)")
+    before = b.run(PLACES)
+    for name, script in SAID.items():
+        b.run(script, LONG)
+        after = b.run(PLACES)
+        moved = {key: (before[key], after[key]) for key in before if before[key] != after[key]}
+        holds(not moved, f"{what}: {name} moves {moved}")
+    holds(b.run("return at('notice').hidden"), f"{what}: a message stays")
+    b.run("changed(false)", then="the page itself again")
+
+
+class Hand:
+    """The mouse at places of the screen, which stay where they are whatever the page does: pixels from where a picture's middle was."""
+
+    def __init__(self, b, view):
+        self.b = b
+        left, top, wide, _ = b.run("canvases[arguments[0]].screen.scrollIntoView({ block: 'center' }); const r = canvases[arguments[0]].screen.getBoundingClientRect();"
+                                   "return [r.left, r.top, r.width, r.height]", view)
+        self.wide, self.middle = wide, (left + wide / 2, top + wide / 2)
+
+    def _act(self, kind, x, y, buttons):
+        self.b.devtools("Input.dispatchMouseEvent", type=kind, x=self.middle[0] + x, y=self.middle[1] + y, button="left", buttons=buttons, clickCount=1)
+
+    def along(self, *places):
+        """Pressed at the first place, lifted at the last; at each of them another message."""
+        said = list(SAID.values())[:4]
+        self._act("mousePressed", *places[0], 1)
+        for i, place in enumerate(places):
+            self._act("mouseMoved", *place, 1)
+            self.b.run(said[i % 4], LONG)
+        self._act("mouseReleased", *places[-1], 0)
+
+
+def drags_and_measures(b, what):
+    """The crosshair follows a hand, and two points of a slice are as far apart as they were clicked."""
+    hand = Hand(b, "across")
+    step = hand.wide / 20
+    hand.along((0, 0), (step, 0), (2 * step, step), (4 * step, 2 * step))
+    settle(b, "a dragged crosshair")
+    cross = b.run("return state.cross")
+    holds(abs(cross[0] - 0.7) < 2 / hand.wide and abs(cross[2] - 0.6) < 2 / hand.wide, f"{what}: dragged to {cross}")
+    b.run("measure(true)")
+    for place in ((-3 * step, -4 * step), (6 * step, 4 * step)):
+        hand.along(place)
+    length, mm = b.run("return [Number(distanceOf(measured).split(' ')[0]), lastFigures.source.window_mm]")
+    expected = mm * (9 ** 2 + 8 ** 2) ** 0.5 / 20
+    holds(abs(length - expected) < 2.5 * mm / hand.wide, f"{what}: measured {length} mm, not {expected}")
+    b.run("notice('', true); measure(false); state.cross = [0.5, 0.5, 0.5]; placeCross(); changed(false)", then="the crosshair in the middle")
+
+
+def main():
+    with a_page(BUILD, "#scene=M03,96,1", []) as (b, _, _):
+        settle(b, "the first frame")
+        for wide, high in SIZES:
+            what = f"{wide} x {high}"
+            size(b, wide, high)
+            nothing_moves(b, what)
+            drags_and_measures(b, what)
+            holds(b.run("return document.documentElement.scrollWidth") <= wide, f"{what}: the page is wider")
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
