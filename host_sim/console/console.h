@@ -315,7 +315,7 @@ char *hs_console_reply_frame(const hs_console_stage *stage, const hs_console_sho
 /* A frame that was not drawn: the page need not wait for it. */
 char *hs_console_reply_skipped(uint64_t frame);
 
-/* A mark whose place was found, as a state has it. */
+/* A mark whose place was found, as a state has it; NULL: there is none, which "refused" has told. */
 char *hs_console_reply_marked(const hs_mark *mark);
 
 /* "refused" or "busy" with a text for a person, "written" with the folder. */

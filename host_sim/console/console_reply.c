@@ -179,6 +179,7 @@ char *hs_console_reply_plugin(const hs_console_stage *stage, uint32_t lane) {
 /* -------------------------------------------------------------------------------------------- frame -- */
 
 char *hs_console_reply_marked(const hs_mark *mark) {
+    if (!mark) return dump(json_pack("{s:s, s:n}", "type", "marked", "mark"));
     return dump(json_pack("{s:s, s:[f, f, f, f, i]}", "type", "marked", "mark", mark->place[0],
                           mark->place[1], mark->place[2], mark->radius, (int)mark->keep));
 }

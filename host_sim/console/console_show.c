@@ -394,7 +394,7 @@ static bool find_mark(hs_console_show *show, const hs_console_message *deed) {
     const bool ok = show->open && show->stage.has_source
                         ? hs_console_stage_mark(&show->stage, deed->view, deed->at, &mark, &err)
                         : hs_fail(&err, HS_ERR_INPUT, "mark: nothing is shown yet");
-    return ok ? say(show, hs_console_reply_marked(&mark)) : refuse(show, &err);
+    return (ok || refuse(show, &err)) && say(show, hs_console_reply_marked(ok ? &mark : NULL));
 }
 
 bool hs_console_show_deed(hs_console_show *show, const hs_console_message *deed) {

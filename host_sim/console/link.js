@@ -97,7 +97,6 @@ function takeText(text) {
     notice(text.text + " …", true);
   } else if (text.type === "refused") {
     notice(text.text, false);
-    takeMark(null);
     stopCine();
     document.body.dataset.refused = text.text;
   } else if (text.type === "marked") {
@@ -120,6 +119,8 @@ function connect() {
   };
   socket.onclose = () => {
     stopCine();
+    dropStroke();
+    brush.asked = null;
     notice("The console has ended, or cannot be reached. Its address holds a token that changes with every start.", false);
     link.retry = Math.min(link.retry * 2, 8000);
     setTimeout(connect, link.retry);

@@ -41,7 +41,7 @@ function goTo(from, to) {
   const then = JSON.parse(undo.now);
   Object.assign(state, then.state);
   Object.assign(look, then.look);
-  brush.queue = [];
+  dropStroke();
   showSettings();
   changed(false);
 }

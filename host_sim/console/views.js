@@ -128,6 +128,7 @@ function fingersOn(view, screen) {
     roll(around(now.angle - before.angle));
   });
   screen.addEventListener("pointerup", (event) => paintWith(view, screen, event, fingers.size));
+  screen.addEventListener("pointercancel", dropStroke);
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"])
     screen.addEventListener(end, (event) => fingers.delete(event.pointerId));
   screen.addEventListener("touchstart", (event) => { if (event.touches.length > 1) event.preventDefault(); }, { passive: false });

@@ -6,14 +6,20 @@
 
 #define GAP_MM 2.0 /* of fluid, between two runs of tissue */
 
+/* A mark as the box sees it. */
+typedef struct {
+    double at[3];  /* pixel x, y, slice */
+    double radius; /* mm */
+    uint32_t threshold;
+    bool keep;
+} seen_mark;
+
 typedef struct {
     const hs_volume *volume;
     hs_box_map map;
     uint32_t n[3];
     double pixel, slice; /* mm */
-    double at[3];        /* the mark: pixel x, y, slice */
-    double radius;       /* mm */
-    uint32_t threshold;
+    seen_mark mark;
 } scene;
 
 /* The mean of the scanned voxels around a place of the grid; 0: nothing was scanned there. */
@@ -39,12 +45,13 @@ static uint32_t level_at(const scene *s, uint32_t x, uint32_t y, uint32_t z) {
 }
 
 static bool is_near(const scene *s, uint32_t x, uint32_t y) {
-    return hypot(x - s->at[0], y - s->at[1]) * s->pixel <= s->radius;
+    const double right = x - s->mark.at[0], down = y - s->mark.at[1];
+    return fabs(right) * s->pixel <= s->mark.radius && hypot(right, down) * s->pixel <= s->mark.radius;
 }
 
 /* In slices. */
 static double reach_of(const scene *s) {
-    return 2.0 * s->radius / s->slice;
+    return 2.0 * s->mark.radius / s->slice;
 }
 
 /* Otsu's: levels above it are tissue. */
@@ -74,8 +81,8 @@ static void find_threshold(scene *s, double reach) {
     for (uint32_t y = 0; y < s->n[1]; y++)
         for (uint32_t x = 0; x < s->n[0]; x++)
             for (uint32_t z = 0; is_near(s, x, y) && z < s->n[2]; z++)
-                if (fabs(z - s->at[2]) <= reach) histogram[level_at(s, x, y, z)]++;
-    s->threshold = split(histogram);
+                if (fabs(z - s->mark.at[2]) <= reach) histogram[level_at(s, x, y, z)]++;
+    s->mark.threshold = split(histogram);
 }
 
 /* The first run of tissue from slice `z` on that ends behind slice `from`: [first, end). False: none does. */
@@ -83,7 +90,7 @@ static bool find_run(const scene *s, uint32_t x, uint32_t y, uint32_t z, double 
     const uint32_t gap = (uint32_t)fmax(1.0, ceil(GAP_MM / s->slice));
     bool open = false;
     for (; z < s->n[2]; z++) {
-        if (level_at(s, x, y, z) > s->threshold) {
+        if (level_at(s, x, y, z) > s->mark.threshold) {
             if (!open) run[0] = z;
             open = true;
             run[1] = z + 1;
@@ -99,24 +106,29 @@ static float start_of(const uint32_t run[2]) {
     return run[0] > 0 ? (float)(run[0] - 1) : 0.0f;
 }
 
-/* The run that a mark at slice s->at[2] keeps of this ray, if it was cut. */
+/* The run that the mark keeps of this ray, if it was cut. */
 static bool find_kept(const scene *s, uint32_t x, uint32_t y, double start, uint32_t run[2]) {
-    const double reach = reach_of(s);
-    return find_run(s, x, y, 0, fmax(0.0, s->at[2] - reach), run) && run[0] <= s->at[2] + reach &&
+    const double reach = reach_of(s), z = s->mark.at[2];
+    return find_run(s, x, y, 0, fmax(0.0, z - reach), run) && run[0] <= z + reach &&
            (double)start_of(run) < start;
 }
 
-static void apply_to(const scene *s, uint32_t x, uint32_t y, bool keep, float *depth) {
-    const double reach = reach_of(s), start = fmax(0.0, *depth);
+/* `taken`: the end of what a mark before it took of this ray, or -INFINITY. */
+static void apply_to(const scene *s, uint32_t x, uint32_t y, float *depth, double *taken) {
+    const double reach = reach_of(s), start = fmax(0.0, *depth), z = s->mark.at[2];
     uint32_t run[2], next[2];
-    if (keep) {
-        if (find_kept(s, x, y, (double)*depth, run)) *depth = start_of(run);
+    if (s->mark.keep) {
+        if (!find_kept(s, x, y, (double)*depth, run)) return;
+        *depth = start_of(run);
+        *taken = -INFINITY;
         return;
     }
     if (!find_run(s, x, y, 0, start, run)) return;
     const double seen = fmax(start, run[0]); /* a start inside a run shows what is left of it */
-    if (fabs(seen - s->at[2]) > reach || !find_run(s, x, y, run[1], run[1], next)) return;
+    if (fabs(seen - z) > reach || fabs(*taken - z) < fabs(seen - z)) return;
+    if (!find_run(s, x, y, run[1], run[1], next)) return;
     *depth = start_of(next);
+    *taken = run[1];
 }
 
 static double middle_of(const hs_volume *v, size_t axis) {
@@ -150,18 +162,19 @@ static scene scene_of(const hs_volume *volume, const hs_camera *camera, const ui
 static void locate(scene *s, const hs_mark *mark, const hs_camera *camera) {
     double seen[3];
     hs_marks_seen(s->volume, camera, mark->place, seen);
-    s->at[0] = (seen[0] + 0.5 * camera->extent) / s->pixel - 0.5;
-    s->at[1] = (seen[1] + 0.5 * camera->extent) / s->pixel - 0.5;
-    s->at[2] = (seen[2] + 0.5 * camera->depth_extent) / s->slice - 0.5;
-    s->radius = mark->radius;
+    s->mark = (seen_mark){.at = {(seen[0] + 0.5 * camera->extent) / s->pixel - 0.5,
+                                 (seen[1] + 0.5 * camera->extent) / s->pixel - 0.5,
+                                 (seen[2] + 0.5 * camera->depth_extent) / s->slice - 0.5},
+                          .radius = mark->radius,
+                          .keep = mark->keep};
 }
 
 /* Whether a mark at slice z lies on tissue that it would keep. Fluid alone has a threshold below `least`. */
 static bool keeps_at(scene *s, uint32_t x, uint32_t y, double z, double start, double least) {
     uint32_t run[2];
-    s->at[2] = z;
+    s->mark.at[2] = z;
     find_threshold(s, reach_of(s));
-    return s->threshold >= least && find_kept(s, x, y, start, run) && run[0] <= z && z < run[1];
+    return s->mark.threshold >= least && find_kept(s, x, y, start, run) && run[0] <= z && z < run[1];
 }
 
 bool hs_marks_find_cut(hs_mark *mark, const hs_volume *volume, const hs_camera *camera, const uint32_t n[3],
@@ -169,11 +182,12 @@ bool hs_marks_find_cut(hs_mark *mark, const hs_volume *volume, const hs_camera *
     scene s = scene_of(volume, camera, n);
     double seen[3];
     locate(&s, mark, camera);
-    if (!(s.at[0] > -0.5 && s.at[1] > -0.5 && s.at[0] < n[0] - 0.5 && s.at[1] < n[1] - 0.5)) return false;
-    const uint32_t x = (uint32_t)(s.at[0] + 0.5), y = (uint32_t)(s.at[1] + 0.5);
+    const double *at = s.mark.at;
+    if (!(at[0] > -0.5 && at[1] > -0.5 && at[0] < n[0] - 0.5 && at[1] < n[1] - 0.5)) return false;
+    const uint32_t x = (uint32_t)(at[0] + 0.5), y = (uint32_t)(at[1] + 0.5);
     const double start = fmin((double)depth[(size_t)y * n[0] + x], n[2] - 1.0);
     find_threshold(&s, n[2]);
-    const double least = 0.25 * s.threshold; /* of that of the whole ray */
+    const double least = 0.25 * s.mark.threshold; /* of that of the whole ray */
     double z = start > 0.0 ? floor(start) : -1.0;
     while (z >= 0.0 && !keeps_at(&s, x, y, z, start, least)) z -= 1.0;
     if (z < 0.0) return false;
@@ -186,6 +200,7 @@ bool hs_marks_find_cut(hs_mark *mark, const hs_volume *volume, const hs_camera *
 bool hs_marks_apply(const hs_mark *marks, uint32_t count, const hs_volume *volume, const hs_camera *camera,
                     const uint32_t n[3], float *depth, hs_error *err) {
     scene s = scene_of(volume, camera, n);
+    seen_mark all[HS_MARKS_MAX];
     if (count > HS_MARKS_MAX)
         return hs_fail(err, HS_ERR_USAGE, "%u marks, expected at most %d", count, HS_MARKS_MAX);
     for (uint32_t i = 0; i < count; i++) {
@@ -195,9 +210,15 @@ bool hs_marks_apply(const hs_mark *marks, uint32_t count, const hs_volume *volum
                            m->place[0], m->place[1], m->place[2], m->radius);
         locate(&s, m, camera);
         find_threshold(&s, reach_of(&s));
-        for (uint32_t y = 0; y < n[1]; y++)
-            for (uint32_t x = 0; x < n[0]; x++)
-                if (is_near(&s, x, y)) apply_to(&s, x, y, m->keep, &depth[(size_t)y * n[0] + x]);
+        all[i] = s.mark;
     }
+    for (uint32_t y = 0; y < n[1]; y++)
+        for (uint32_t x = 0; x < n[0]; x++) {
+            double taken = -INFINITY;
+            for (uint32_t i = 0; i < count; i++) {
+                s.mark = all[i];
+                if (is_near(&s, x, y)) apply_to(&s, x, y, &depth[(size_t)y * n[0] + x], &taken);
+            }
+        }
     return true;
 }

@@ -4,7 +4,7 @@
 
 #include "render/camera.h"
 
-enum { HS_MARKS_MAX = 64 };
+enum { HS_MARKS_MAX = 256 };
 
 /* mm: of a mark that says none; and what a person may ask for. */
 #define HS_MARK_RADIUS       5.0
@@ -22,10 +22,11 @@ typedef struct {
  * `volume`. A mark works on the rays that pass it within its radius, and on what lies at most two radii
  * before or behind it. Tissue is what is brighter than Otsu's threshold of that part of its rays (means of 3
  * x 3 x 3 voxels); a run of tissue ends at 2 mm that are darker. remove: where a ray's first tissue is at the
- * mark, the ray starts at its next run; if there is none, nothing changes. keep: where the ray's run of
- * tissue at the mark was cut, the ray starts at that run. A start is one slice before its run. HS_ERR_USAGE:
- * a mark is not finite or its radius not above 0, or there are more than HS_MARKS_MAX; marks before it are
- * applied. Any thread.
+ * mark, the ray starts at its next run; if there is none, nothing changes, nor where the end of what a mark
+ * before it took of the ray is nearer to the mark: marks that overlap, as those of a stroke, take one layer.
+ * keep: where the ray's run of tissue at the mark was cut, the ray starts at that run. A start is one slice
+ * before its run. HS_ERR_USAGE: a mark is not finite or its radius not above 0, or there are more than
+ * HS_MARKS_MAX; none is applied then. Any thread.
  */
 bool hs_marks_apply(const hs_mark *marks, uint32_t count, const hs_volume *volume, const hs_camera *camera,
                     const uint32_t n[3], float *depth, hs_error *err);

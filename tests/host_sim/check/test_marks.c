@@ -52,6 +52,21 @@ static void test_remove_leaves_the_last_tissue(void **state) {
     assert_disc(3.0, 24.0f);
 }
 
+/* What a mark may reach without it: the face is within two radii of the cord. */
+static void test_a_stroke_takes_one_layer(void **state) {
+    const hs_mark stroke[] = {{{6.0, 6.0, 12.0}, 7.0, 0}, {{6.0, 6.0, 13.0}, 7.0, 0}};
+    hs_camera camera;
+    const hs_volume volume = cord_before_face(&camera);
+    memset(voxels + 36 * SIDE * SIDE, FLUID, 2 * SIDE * SIDE); /* the face ends, and something is behind it */
+    must(hs_marks_apply(stroke, 2, &volume, &camera, n, depth, &err));
+    assert_disc(7.0, 24.0f);
+    cord_before_face(&camera);
+    memset(voxels + 36 * SIDE * SIDE, FLUID, 2 * SIDE * SIDE);
+    const hs_mark both[] = {stroke[0], {{6.0, 6.0, 24.0}, 7.0, 0}}; /* a second one, where the face is seen */
+    must(hs_marks_apply(both, 2, &volume, &camera, n, depth, &err));
+    assert_disc(7.0, 37.0f);
+}
+
 static void test_remove_works_where_it_is_seen(void **state) {
     apply(30.0, 3.0, 0); /* the cord is seen, 18 mm before the mark */
     assert_disc(3.0, 8.0f);
@@ -110,5 +125,6 @@ static void test_what_is_no_mark(void **state) {
 }
 
 UNIT_MAIN(NULL, NULL, test_remove_goes_to_the_next_tissue, test_remove_leaves_the_last_tissue,
-          test_remove_works_where_it_is_seen, test_keep_brings_back_the_skin, test_keep_after_remove,
-          test_marks_turn_with_the_volume, test_what_was_cut_last, test_what_is_no_mark)
+          test_a_stroke_takes_one_layer, test_remove_works_where_it_is_seen, test_keep_brings_back_the_skin,
+          test_keep_after_remove, test_marks_turn_with_the_volume, test_what_was_cut_last,
+          test_what_is_no_mark)

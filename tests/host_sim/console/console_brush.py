@@ -109,17 +109,20 @@ def painting(b):
     b.wait_for("!brush.asked && !brush.queue.length && state.marks.length > 3", "a painted line")
     settle(b, "painted")
     places = b.run("return lastFigures.marks")
-    apart = min(((a[0] - c[0]) ** 2 + (a[1] - c[1]) ** 2) ** 0.5 for i, a in enumerate(places) for c in places[:i])
-    holds(apart >= 1.9 * places[0][2], f"painted marks {places} lie on each other")
+    apart = [math.dist(a[:2], c[:2]) / a[2] for a, c in zip(places, places[1:], strict=False)]
+    holds(all(abs(one - 0.5) < 0.01 for one in apart), f"a stroke's marks are {apart} radii apart")
+    b.click("#undo", then="undo of a stroke")
+    holds(b.run(MARKS) == [], "a stroke is more than one step")
+    b.click("#redo", then="the stroke again")
     holds(b.run("return state.camera.yaw") == 0, "the brush turns")
     b.run("document.querySelector('.screen[data-view=result]').focus()")
     before = len(places)
     b.keys(RESULT, ENTER)
     b.wait_for(f"!brush.asked && (state.marks.length > {before} || !at('notice').hidden)", "a mark by the keyboard")
     settle(b, "by keys")
-    b.run("state.marks = Array(64).fill(state.marks[0]); changed(false)", then="64 marks")
+    b.run("state.marks = Array(brush.most).fill(state.marks[0]); changed(false)", then="all marks")
     said = click(b, 0, 60)
-    holds("All 64 marks" in str(said) and len(b.run(MARKS)) == 64, f"a mark more than there may be: {said}")
+    holds("All 256 marks" in str(said) and len(b.run(MARKS)) == 256, f"a mark more than there may be: {said}")
 
 
 def an_address_has_marks(b, console):

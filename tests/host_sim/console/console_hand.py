@@ -2,6 +2,7 @@
 """What a hand does on the console's page, at four sizes, by mouse and touch, while every message comes and goes: nothing moves under
 it, and what it paints, drags and measures lies where it was."""
 
+import math
 import sys
 
 from console_client import holds
@@ -98,6 +99,22 @@ def drags_and_measures(b, what):
     b.run("notice('', true); measure(false); state.cross = [0.5, 0.5, 0.5]; placeCross(); changed(false)", then="the crosshair in the middle")
 
 
+def paints(b, what):
+    """The marks of a stroke lie on the line that the hand painted, half a radius apart from end to end."""
+    b.run("at('remove').click(); setRadius(6)")
+    hand, mm = Hand(b, "result"), b.run("return lastFigures.source.window_mm")
+    step = hand.wide / 20
+    hand.along((-4 * step, -3 * step), (-3 * step, -3 * step), (step, -3 * step), (2 * step, -3 * step), (4 * step, -3 * step))
+    b.wait_for("!brush.asked && !brush.stroke && state.marks.length > 0", "a painted stroke")
+    settle(b, "painted")
+    marks = b.run("return lastFigures.marks")
+    places = [(u - 0.3) * mm / 3 for u, _, _, _ in marks]  # in steps of half a radius; where nothing is to remove there is none
+    off = [math.hypot((place - round(place)) * 3, (v - 0.35) * mm) for place, (_, v, _, _) in zip(places, marks, strict=True)]
+    steps = [round(b - a) for a, b in zip(places, places[1:], strict=False)]
+    holds(len(marks) > 8 and max(off) < 1 and set(steps) == {1}, f"{what}: {len(marks)} marks beside the line by {off} mm, in steps of {steps}")
+    b.run("notice('', true); clearMarks(); chooseBrush('remove')", then="no marks")
+
+
 def main():
     with a_page(BUILD, "#scene=M03,96,1", []) as (b, _, _):
         settle(b, "the first frame")
@@ -105,6 +122,7 @@ def main():
             what = f"{wide} x {high}"
             size(b, wide, high)
             nothing_moves(b, what)
+            paints(b, what)
             drags_and_measures(b, what)
             holds(b.run("return document.documentElement.scrollWidth") <= wide, f"{what}: the page is wider")
     print("ok")
