@@ -70,8 +70,10 @@ def main():
         console = Console(build)
         try:
             browser = Browser(work, (1280, 1000))
-            browser.open(f"{console.address}#scene=D01,{size},1&slices=off")
+            browser.open(f"{console.address}#scene=D01,{size},1&layout=all")
             browser.wait_for(SETTLED, "the first picture", 120)
+            browser.run("wantedViews = () => ['result', 'full', 'truth']; changed(false)")
+            browser.wait_for(SETTLED, "these pictures alone", 120)
             print(f"console: D01, {size}^3 voxels, result, full volume and ground truth; load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
             for draft in (0, 256, 512):
                 before, frame = busy_ms(console), int(browser.run("return document.body.dataset.frame"))

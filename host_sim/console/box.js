@@ -72,7 +72,7 @@ function toggleBox() {
   const long = lastFigures.source.middle.map((mm) => 2 * mm);
   const ends = [BOX_INSET, 1 - BOX_INSET].flatMap((share) => long.map((mm) => Number((share * mm).toFixed(1))));
   state.box = state.box.length ? [] : ends;
-  if (state.box.length && !look.slices) at("slices-on").click();
+  if (state.box.length && !showsSlices()) setLayout("quad");
   drawBox();
   changed(false);
 }

@@ -92,6 +92,6 @@ function measure(on) {
   measured.on = on;
   letStand();
   at("measure").setAttribute("aria-pressed", String(on));
-  if (on && !look.slices) at("slices-on").click();
+  if (on && !showsSlices()) setLayout("quad");
   drawMeasured();
 }

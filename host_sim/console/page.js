@@ -213,7 +213,7 @@ function showSettings() {
   at("third").value = look.third;
   at("compare").value = look.compare;
   at("wipe").value = String(look.wipe);
-  at("slices-on").checked = look.slices;
+  at("layout").value = look.layout;
   showGrey();
   showChosenSource();
   buildRenderer();
@@ -235,7 +235,7 @@ function onKey(event) {
   const keys = {
     m: () => measure(!measured.on), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), b: toggleBox, l: () => at("lamp").click(), f: () => play(!state.play.on),
     "[": () => nudgePrimary(-1), "]": () => nudgePrimary(1), ",": () => stepBy(-1), ".": () => stepBy(1),
-    c: () => compare(next[look.compare]), s: () => at("slices-on").click(),
+    c: () => compare(next[look.compare]), v: () => setLayout(LAYOUTS[(LAYOUTS.indexOf(look.layout) + 1) % LAYOUTS.length]),
   };
   if (event.key === " " && !where.matches("button, input, summary, a")) keys[" "] = () => play(!state.play.on);
   if (!keys[event.key]) return;
@@ -250,6 +250,7 @@ function listen() {
   at("back").addEventListener("click", () => stepBy(-1));
   at("index").addEventListener("input", () => { state.play.index = Number(at("index").value); play(false); });
   at("speed").addEventListener("input", () => { state.play.speed = Number(at("speed").value); showPlaying(); changed(false); });
+  at("layout").addEventListener("change", () => setLayout(at("layout").value));
   at("third").addEventListener("change", () => { look.third = at("third").value; layOut(); changed(false); });
   at("compare").addEventListener("change", () => compare(at("compare").value));
   at("measure").addEventListener("click", () => measure(!measured.on));
@@ -267,7 +268,6 @@ function listen() {
   at("redo").addEventListener("click", () => goTo(undo.future, undo.past));
   at("ours").addEventListener("click", compareWithOurs);
   at("wipe").addEventListener("input", () => { look.wipe = Number(at("wipe").value); placeWipe(); writeAddress(); });
-  at("slices-on").addEventListener("change", () => { look.slices = at("slices-on").checked; layOut(); changed(false); });
   at("reset-view").addEventListener("click", resetCamera);
   at("snapshot").addEventListener("click", askForPicture);
   at("cine").addEventListener("click", toggleCine);

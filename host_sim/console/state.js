@@ -22,7 +22,8 @@ const state = {
 };
 
 /* What only the page knows of: how it shows what it has. */
-const look = { third: "truth", compare: "off", wipe: 50, slices: true, gain: 1, contrast: 1 };
+const look = { layout: "quad", third: "truth", compare: "off", wipe: 50, gain: 1, contrast: 1 };
+const LAYOUTS = ["single", "dual", "quad", "all"];
 const GREY = ["gain", "contrast"]; /* of the slices */
 
 /* Numbers with no more digits than a reader needs. */
@@ -90,7 +91,7 @@ function writeAddressNow() {
   if (look.third !== "truth") at.set("third", look.third);
   if (look.compare !== "off") at.set("compare", look.compare);
   if (look.wipe !== 50) at.set("wipe", look.wipe);
-  if (!look.slices) at.set("slices", "off");
+  if (look.layout !== "quad") at.set("layout", look.layout);
   for (const key of GREY) if (look[key] !== 1) at.set(key, short(look[key]));
   history.replaceState(null, "", location.pathname + location.search + "#" + at.toString());
 }
@@ -144,6 +145,6 @@ function readAddress(hello) {
   if (look.compare !== "off") state.lanes.push(laneFrom(at.get("b") || at.get("a") || "0"));
   look.third = wordIn(at.get("third"), ["truth", "depthmap"], "truth");
   look.wipe = Math.round(numberIn(at.get("wipe"), 0, 100, 50));
-  look.slices = at.get("slices") !== "off";
+  look.layout = wordIn(at.get("layout"), LAYOUTS, "quad");
   for (const key of GREY) look[key] = numberIn(at.get(key), 0.25, 4, 1);
 }

@@ -37,15 +37,20 @@ function make(tag, attributes, ...children) {
 }
 
 function renderedViews() {
-  const third = look.third === "truth" && !hasTruth ? "depthmap" : look.third;
-  /* Two columns: the two results are the first row. */
-  return look.compare === "side" ? ["result", "other", "full", third] : ["full", "result", third];
+  const third = look.third === "truth" && !hasTruth ? "depthmap" : look.third, side = look.compare === "side";
+  const results = side ? ["result", "other"] : look.layout === "single" || look.layout === "quad" ? ["result"] : ["full", "result"];
+  if (look.layout !== "all") return results;
+  return side ? [...results, "full", third] : [...results, third];
+}
+
+function showsSlices() {
+  return look.layout === "quad" || look.layout === "all";
 }
 
 function wantedViews() {
   const views = renderedViews();
   if (look.compare === "wipe") views.push("other");
-  return look.slices ? views.concat(Object.keys(AXES)) : views;
+  return showsSlices() ? views.concat(Object.keys(AXES)) : views;
 }
 
 /* ------------------------------------------------------------------------------------------- camera -- */
@@ -228,7 +233,7 @@ function figureOf(view) {
     class: "screen", tabindex: "0", role: "application", "aria-label": TITLES[view] + ": " + help, "data-view": view,
   }, canvas);
   const caption = make("figcaption", { text: TITLES[view] });
-  const figure = make("figure", slice ? { class: "slice" } : {}, screen, caption);
+  const figure = make("figure", { class: slice ? "slice" : view }, screen, caption);
   const one = { figure, screen, canvas, caption, ends: {}, legend: view === "depthmap" ? depthLegend() : make("div", { class: "legend" }) };
   screen.append(one.legend);
   for (const side of ["left", "right", "up", "down"]) {
@@ -347,12 +352,14 @@ function layOut() {
   const rendered = document.getElementById("rendered"), slices = document.getElementById("slices");
   rendered.replaceChildren();
   slices.replaceChildren();
-  const shown = renderedViews().concat(look.slices ? Object.keys(AXES) : []);
+  const shown = renderedViews().concat(showsSlices() ? Object.keys(AXES) : []);
   for (const view of shown) {
     canvases[view] = viewOf(view);
     (view in AXES ? slices : rendered).append(canvases[view].figure);
   }
-  rendered.classList.toggle("four", look.compare === "side");
+  at("pictures").dataset.layout = look.layout;
+  at("pictures").classList.toggle("two", look.compare === "side");
+  at("third").parentElement.toggleAttribute("data-gone", look.layout !== "all");
   const other = viewOf("other");
   other.screen.append(other.canvas);
   other.canvas.removeAttribute("class");
@@ -360,8 +367,15 @@ function layOut() {
   canvases.result.screen.querySelector(".seam")?.remove();
   if (look.compare === "wipe") addWipe(other.canvas);
   at("wipe-bar").hidden = look.compare !== "wipe";
-  at("grey-bar").hidden = !look.slices;
+  at("grey-bar").hidden = !showsSlices();
   placeCross();
+}
+
+function setLayout(how) {
+  look.layout = how;
+  at("layout").value = how;
+  layOut();
+  changed(false);
 }
 
 function paint(view, bitmap) {

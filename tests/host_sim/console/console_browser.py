@@ -16,7 +16,7 @@ from webdriver import KEYS, PATIENCE
 BUILD = sys.argv[1]
 HOST_SIM = os.path.join(BUILD, "host_sim")
 PLUGINS = [os.path.join(BUILD, name) for name in ("smartvis.so", "tests/plugins/plane.so", "tests/plugins/by_crash.so")]
-START = "#scene=D01,96,3"
+START = "#scene=D01,96,3&layout=all"
 # The sanitizers' own handlers would turn the plugin's crash into an exit.
 os.environ["ASAN_OPTIONS"] = os.environ.get("ASAN_OPTIONS", "") + ":handle_segv=0"
 

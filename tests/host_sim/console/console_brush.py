@@ -281,7 +281,7 @@ def nothing_jumps(b):
 
 
 def main():
-    with a_page(BUILD, "#scene=M03,96,1", []) as (b, console, work):
+    with a_page(BUILD, "#scene=M03,96,1&layout=all", []) as (b, console, work):
         settle(b, "the first frame")
         before, after = a_mark_removes_what_is_seen(b, work)
         undo_and_redo(b, before, after)

@@ -10,6 +10,10 @@ from console_look import a_page, settle
 
 BUILD = sys.argv[1]
 SIZES = ((390, 844), (768, 1024), (1280, 800), (1440, 900))
+# What each layout shows, and how wide the result is at least at each size.
+LAYOUTS = {"quad": (["result", "across", "along", "deep"], (370, 540, 540, 640)),
+           "all": (["full", "result", "truth", "across", "along", "deep"], (370, 230, 270, 320)),
+           "single": (["result"], (370, 660, 540, 640)), "dual": (["full", "result"], (370, 360, 410, 490))}
 LONG = "A message of many words, which a console has to say about a volume that cannot be read: " * 4
 
 # Where every picture, its control and its tools are on the page.
@@ -58,6 +62,22 @@ def nothing_moves(b, what):
         holds(not moved, f"{what}: {name} moves {moved}")
     holds(b.run("return at('notice').hidden"), f"{what}: a message stays")
     b.run("changed(false)", then="the page itself again")
+
+
+def the_result_is_large(b, at, what):
+    """Every layout, one key from the next, has the result and the surface position on the screen, and neither covers the other."""
+    for layout, (views, widths) in LAYOUTS.items():
+        left, top, right, bottom = b.run("""scrollTo(0, 0); const r = canvases.result.screen.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]""")
+        p_left, p_top, p_right, p_bottom = b.run("const r = at('primary').getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]")
+        holds(b.run("return [look.layout, at('layout').value, Object.keys(canvases).sort()]") == [layout, layout, sorted(views)], f"{what}: {layout} shows {b.run('return Object.keys(canvases)')}")
+        wide, high = SIZES[at]
+        holds(right - left >= widths[at], f"{what}: the result of {layout} is {right - left} wide")
+        holds(0 <= left and right <= wide and 0 <= top and bottom <= high, f"{what}: the result of {layout} ends at {right}, {bottom}")
+        holds(0 <= p_left and p_right <= wide and 0 <= p_top and p_bottom <= high, f"{what}: the surface position of {layout} ends at {p_bottom}")
+        holds(right <= p_left or bottom <= p_top, f"{what}: the surface position of {layout} covers the result")
+        b.keys("body", "v", then="another layout")
+    holds(b.run("scrollTo(0, 400); return at('primary0').getBoundingClientRect().top") > 0, f"{what}: the surface position is scrolled away")
+    b.run("scrollTo(0, 0)")
 
 
 class Hand:
@@ -118,9 +138,10 @@ def paints(b, what):
 def main():
     with a_page(BUILD, "#scene=M03,96,1", []) as (b, _, _):
         settle(b, "the first frame")
-        for wide, high in SIZES:
+        for i, (wide, high) in enumerate(SIZES):
             what = f"{wide} x {high}"
             size(b, wide, high)
+            the_result_is_large(b, i, what)
             nothing_moves(b, what)
             paints(b, what)
             drags_and_measures(b, what)

@@ -104,6 +104,7 @@ class Browser:
         self.call("POST", "/actions", {"actions": [{"type": "key", "id": "keyboard", "actions": actions}]})
 
     def click(self, css):
+        self.run("document.querySelector(arguments[0]).scrollIntoView({ block: 'nearest' })", css)  # what is covered is not scrolled to
         self.call("POST", f"/element/{self.element(css)}/click", {})
 
     def drag(self, css, start, end, steps=6, pause=30):
