@@ -64,6 +64,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->fluid_rank = rounded(s->fluid_rank * SV_WALL_PER_MILLE);
     l->gap_share = rounded(s->gap_share * SV_WALL_PER_MILLE);
     l->doubtful_share = rounded(s->doubtful_share * SV_WALL_PER_MILLE);
+    l->clear_share = rounded(s->clear_share * SV_WALL_PER_MILLE);
     l->hysteresis = rounded(s->hysteresis * SV_WALL_PER_MILLE);
     l->last = (unsigned)s->last;
     l->doubtful_confidence = (float)s->doubtful_confidence;

@@ -58,6 +58,7 @@
      * assumed. */ \
     CONSTANT(seen_share, 0.05) \
     CONSTANT(beam_seen_share, 0.1) /* the same along the beams */ \
+    CONSTANT(clear_share, 0.35)    /* from this share in gaps on, a fetus need not be brighter than the wall */ \
     CONSTANT(assumed_wall, 0.6) /* brightness of the wall in units of the bright class' mean */ \
     CONSTANT(assumed_spread, 0.5) /* its spread, ln of the odds */
 /* clang-format on */

@@ -213,9 +213,9 @@ static void take_answer(const sv_wall_layout *l, __global const uint *told, __gl
         info[SV_WALL_INFO_OUTCOME] = answer;
 }
 
-/* Launched as one work item: decides whether the frame shows the fetus. `fetus`: for each row of cells, the
- * sum over its rays of the probability that the fetus is on them. They are so few that they need no group.
- * `told`: what is known along the beams, if layout.told. */
+/* Launched as one work item: asks whether enough rays show the fetus by its brightness. `fetus`: for each row
+ * of cells, the sum over its rays of the probability that the fetus is on them. They are so few that they
+ * need no group. `told`: what is known along the beams, if layout.told. */
 __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus,
                           __global const uint *restrict told, __global uint *restrict info) {
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
@@ -231,10 +231,11 @@ __kernel void wall_decide(sv_wall_layout l, __global const ulong *restrict fetus
     const uint limit = limit_after(&l, l.seen_share, was, last == SV_WALL_NO_FETUS);
     info[SV_WALL_INFO_FOUND] = (uint)(sum * SV_WALL_PER_MILLE / max(whole, (ulong)1));
     info[SV_WALL_INFO_WANTED] = limit;
-    if (sum * SV_WALL_PER_MILLE < whole * limit) info[SV_WALL_INFO_OUTCOME] = SV_WALL_NO_FETUS;
+    info[SV_WALL_INFO_UNSEEN] = sum * SV_WALL_PER_MILLE < whole * limit;
 }
 
-/* Returns what the gaps tell of a surface, and stores by which figures. */
+/* Returns what the gaps tell of a surface, and stores by which figures; those of an unseen fetus are there.
+ */
 static uint verdict_of(const sv_wall_layout *l, ulong dark, ulong in_gaps, ulong open, __global uint *info) {
     const ulong share = in_gaps * SV_WALL_PER_MILLE;
     const uint last = last_of(l, info);
@@ -242,6 +243,8 @@ static uint verdict_of(const sv_wall_layout *l, ulong dark, ulong in_gaps, ulong
                doubtful = last == SV_WALL_DOUBTFUL;
     const uint least = limit_after(l, l->doubtful_share, last == SV_WALL_SURFACE || doubtful, no_fluid);
     const uint limit = limit_after(l, l->gap_share, last == SV_WALL_SURFACE, doubtful || no_fluid);
+    const uint clear = limit_after(l, l->clear_share, last == SV_WALL_SURFACE, last == SV_WALL_NO_FETUS);
+    if (info[SV_WALL_INFO_UNSEEN] && (dark == 0 || share < dark * clear)) return SV_WALL_NO_FETUS;
     info[SV_WALL_INFO_FOUND] = (uint)(share / max(dark, (ulong)1));
     info[SV_WALL_INFO_WANTED] = limit;
     if (dark == 0 || share < dark * least)

@@ -76,15 +76,17 @@
 #define SV_WALL_INFO_FOUND         265 /* of 1000: the share that the outcome is about, */
 #define SV_WALL_INFO_WANTED        266 /* and the limit that it was held to */
 #define SV_WALL_INFO_LAST          267 /* the outcome as sv_wall_layout.last has it; the next frame reads it */
-#define SV_WALL_INFO_GAINS         268 /* what levels are multiplied by, for each brightness around them */
-#define SV_WALL_INFO_WORDS         (268 + SV_WALL_GAINS)
+#define SV_WALL_INFO_UNSEEN        268 /* 1: too few rays show a fetus that is brighter than the wall */
+#define SV_WALL_INFO_GAINS         269 /* what levels are multiplied by, for each brightness around them */
+#define SV_WALL_INFO_WORDS         (269 + SV_WALL_GAINS)
 
 /* Without a surface depth and confidence are 0, and nothing is clipped. */
 typedef enum {
     SV_WALL_SURFACE = 0,  /* the maps hold a surface */
     SV_WALL_NO_FLUID = 1, /* the surface lies in no fluid that counts */
     SV_WALL_EMPTY = 2,    /* too little was scanned, or all of it has one grey level */
-    SV_WALL_NO_FETUS = 3, /* nothing behind the wall is brighter than the wall */
+    SV_WALL_NO_FETUS =
+        3, /* nothing behind the wall is brighter than the wall, and no clear fluid before it */
     SV_WALL_DOUBTFUL =
         4,           /* most that is as dark as fluid lies elsewhere; a surface if layout.clip_doubtful */
     SV_WALL_OPEN = 5 /* as SV_WALL_NO_FLUID: the scan begins in the fluid, so nothing hides the fetus */
@@ -135,7 +137,7 @@ typedef struct {
     unsigned int cut_cost, occluder_cost;     /* in units of 1 / SV_WALL_COST_ONE */
     unsigned int average_margin, knob_margin; /* in units of 1 / SV_WALL_FINE_COST_ONE */
     /* per mille */
-    unsigned int threshold, dark_rank, fluid_rank, gap_share, doubtful_share, seen_share;
+    unsigned int threshold, dark_rank, fluid_rank, gap_share, doubtful_share, seen_share, clear_share;
     unsigned int hysteresis; /* limits of shares are so far in favour of the outcome that was */
     unsigned int last;       /* sv_wall_outcome of the frame before, SV_WALL_EMPTY if there was none; or */
                              /* SV_WALL_REMEMBERED */

@@ -61,8 +61,8 @@ static void lower_confidence(const sv_wall_layout *l, float *confidence) {
     for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] *= l->doubtful_confidence;
 }
 
-/* Costs the layers and selects the surface, if enough rays show the fetus. `told`: what the beams say of
- * that, or NULL. */
+/* Costs the layers and selects the surface, unless the beams say that there is none. `told`: what they say,
+ * or NULL. */
 static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *levels,
                             const sv_wall_evidence *evidence, const sv_wall_outcome *told, float *depth,
                             float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
@@ -70,14 +70,10 @@ static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *leve
     sv_wall_costs costs;
     sv_wall_gaps gaps = {0};
     if (!sv_wall_costs_create(scan, evidence, &costs)) return false;
-    const uint64_t rays = scan->blocks->rays,
-                   needed = rays * SV_WALL_PROBABILITY_ONE * sv_wall_fetus_limit(l);
-    const bool seen = told ? *told == SV_WALL_SURFACE || *told == SV_WALL_DOUBTFUL
-                           : costs.fetus * SV_WALL_PER_MILLE >= needed;
-    facts->fetus = (double)costs.fetus / ((double)rays * SV_WALL_PROBABILITY_ONE);
-    *outcome = told ? *told : SV_WALL_NO_FETUS;
+    facts->fetus = (double)costs.fetus / ((double)scan->blocks->rays * SV_WALL_PROBABILITY_ONE);
     bool done = true;
-    if (seen) {
+    if (told) *outcome = *told;
+    if (!told || *told == SV_WALL_SURFACE || *told == SV_WALL_DOUBTFUL) {
         done = sv_wall_select_surface(scan, levels, &costs, told, depth, confidence, &gaps, outcome);
         if (done && *outcome == SV_WALL_DOUBTFUL) lower_confidence(l, confidence);
     }

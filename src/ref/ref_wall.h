@@ -18,7 +18,7 @@ typedef struct {
     uint32_t wall_rays;  /* of these, rays that begin in tissue and have fluid behind it */
     double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */
     double fetus;        /* mean probability over the rays that the fetus is on them */
-    double wanted;       /* the limit of `fetus` if that is too small, else of `gap_share` */
+    double wanted;       /* the limit of `fetus` if no fetus is seen, else of `gap_share` */
 } sv_wall_facts;
 
 /* True if sizes, spacing and ranges are as stated above; else the text names field and value. */

@@ -158,7 +158,8 @@ typedef struct {
 /* How sure a surface is that costs so much, in a layer of that level relative to the threshold, 1. */
 float sv_wall_confidence(const sv_wall_layout *layout, float cost, float level);
 
-/* Writes the maps of depth and confidence. `told`: the outcome, or NULL: the gaps tell it. */
+/* Writes the maps of depth and confidence. `told`: the outcome, or NULL: the gaps tell it, and `costs`
+ * whether the fetus is seen. */
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,
                             const sv_wall_costs *costs, const sv_wall_outcome *told, float *depth,
                             float *confidence, sv_wall_gaps *gaps, sv_wall_outcome *outcome);
@@ -168,6 +169,6 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
 uint32_t sv_wall_fetus_limit(const sv_wall_layout *layout);
 uint32_t sv_wall_gap_limit(const sv_wall_layout *layout);
 
-/* What the gaps tell of the surface after layout->last: SURFACE, DOUBTFUL, NO_FLUID or
- * OPEN. */
-sv_wall_outcome sv_wall_verdict(const sv_wall_layout *layout, const sv_wall_gaps *gaps);
+/* What the gaps tell of the surface after layout->last: SURFACE, DOUBTFUL, NO_FLUID or OPEN. `seen`: enough
+ * rays show the fetus by its brightness; if not, NO_FETUS, unless the fluid is clear. */
+sv_wall_outcome sv_wall_verdict(const sv_wall_layout *layout, const sv_wall_gaps *gaps, bool seen);

@@ -295,8 +295,17 @@ uint32_t sv_wall_gap_limit(const sv_wall_layout *l) {
                        l->last == SV_WALL_DOUBTFUL || l->last == SV_WALL_NO_FLUID || l->last == SV_WALL_OPEN);
 }
 
-sv_wall_outcome sv_wall_verdict(const sv_wall_layout *l, const sv_wall_gaps *gaps) {
+/* True if enough rays show the fetus by its brightness. */
+static bool is_seen(const sv_wall_scan *s, const sv_wall_costs *costs) {
+    const uint64_t all = (uint64_t)s->blocks->rays * SV_WALL_PROBABILITY_ONE;
+    return costs->fetus * SV_WALL_PER_MILLE >= all * sv_wall_fetus_limit(s->layout);
+}
+
+sv_wall_outcome sv_wall_verdict(const sv_wall_layout *l, const sv_wall_gaps *gaps, bool seen) {
     const uint64_t share = gaps->in_gaps * SV_WALL_PER_MILLE;
+    const uint32_t clear =
+        limit_after(l, l->clear_share, l->last == SV_WALL_SURFACE, l->last == SV_WALL_NO_FETUS);
+    if (!seen && (gaps->dark == 0 || share < gaps->dark * clear)) return SV_WALL_NO_FETUS;
     const uint32_t doubtful =
         limit_after(l, l->doubtful_share, l->last == SV_WALL_SURFACE || l->last == SV_WALL_DOUBTFUL,
                     l->last == SV_WALL_NO_FLUID || l->last == SV_WALL_OPEN);
@@ -323,7 +332,7 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
         median_filter(l, layers, filtered);
         find_confidence(scan, layers + COST * count, filtered + LAYER * count, layers, confidence);
         count_gaps(scan, levels->fluid, filtered + LAYER * count, gaps);
-        *outcome = told ? *told : sv_wall_verdict(l, gaps);
+        *outcome = told ? *told : sv_wall_verdict(l, gaps, is_seen(scan, given));
         /* a person who asks for it gets a surface all the same */
         if (*outcome == SV_WALL_NO_FLUID && l->clip_doubtful) *outcome = SV_WALL_DOUBTFUL;
         fill_pits(scan, *outcome == SV_WALL_DOUBTFUL, filtered, layers);

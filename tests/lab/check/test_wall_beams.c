@@ -204,6 +204,14 @@ static void turn(const double degrees[3], float rotation[9], float side[3]) {
     for (int i = 0; i < 3; i++) side[i] = -rotation[3 * i + 2];
 }
 
+/* Makes all behind the wall dim, and most fluid lie behind that: no fetus is seen. */
+static void hide_fetus(uint8_t *volume, uint32_t side) {
+    enum { BEHIND_WALL = 28, LAKE = 44, DIM = 64, LAKE_LEVEL = 2 };
+    const size_t plane = (size_t)side * side;
+    for (size_t i = plane * BEHIND_WALL; i < plane * side; i++)
+        if (volume[i] > 0) volume[i] = i >= plane * LAKE ? LAKE_LEVEL : volume[i] > DIM ? DIM : volume[i];
+}
+
 /* Frames that tell the beams: the grid along them has its own blocks, and its own answer. */
 static void test_kernels_follow_the_definition(void **state) {
     static const struct {
@@ -244,6 +252,7 @@ static void test_kernels_follow_the_definition(void **state) {
                                         : fan == 6 ? "H10"
                                                    : "D02",
                                         84, 2, 1, 0);
+        if (fan == 0) hide_fetus(data.full.voxels, 84);
         (void)wall_compare_outcome(*state, &s, data.full.voxels, "beams", &unasked);
         answers[unasked]++;
     }

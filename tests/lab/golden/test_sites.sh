@@ -119,7 +119,7 @@ cp "$work/stdout" "$work/as_it_is"
 code 0 wall --case "$small" --set fetus_level=0
 holds [ "$(cmp -s "$work/stdout" "$work/as_it_is"; echo $?)" = 1 ]
 for beams in 0 1; do # a limit along the beams: heeded if these are told, by cases and by volumes
-    code 0 wall --case "$small" --volume "$full" --set beam_seen_share=1 --set beams=$beams
+    code 0 wall --case "$small" --volume "$full" --set beam_seen_share=1 --set clear_share=2 --set beams=$beams
     holds [ "$(grep -c 'outcome 3,' "$work/stdout")" -eq $((2 * beams)) ]
 done
 code 0 wall --tilt 10,-5 --case "$small"

@@ -134,18 +134,24 @@ static void test_skin_tells_nothing(void **state) {
     assert_true(fabs(s.facts.wall - (MUSCLE + FLUID) / 2.0) < 1.0);
 }
 
-/* Four layers of level `front`, a gap of `gap` dark layers, the fetus, and `elsewhere` dark layers in it. */
-static void run_gap(scan *s, uint32_t gap, uint32_t elsewhere, uint8_t front, bool clip_doubtful) {
+/* Four layers of level `front`, a gap of `gap` dark layers, the fetus, whose bone has the level `fetus`, and
+ * `elsewhere` dark layers in it. */
+static void run_gap_before(scan *s, uint32_t gap, uint8_t fetus, uint32_t elsewhere, uint8_t front,
+                           bool clip_doubtful) {
     sv_wall_settings settings = sv_wall_settings_default();
     uint8_t levels[LAYERS];
     uint32_t at = 0;
     if (clip_doubtful) settings.clip_doubtful = true; /* nothing is by default */
     put(levels, &at, 4, front);
     put(levels, &at, gap, FLUID);
-    put(levels, &at, 3, BONE);
+    put(levels, &at, 3, fetus);
     put(levels, &at, elsewhere, FLUID);
     put(levels, &at, LAYERS, MUSCLE);
     run_layers(s, levels, N, 0, &settings);
+}
+
+static void run_gap(scan *s, uint32_t gap, uint32_t elsewhere, uint8_t front, bool clip_doubtful) {
+    run_gap_before(s, gap, BONE, elsewhere, front, clip_doubtful);
 }
 
 /* From 0.3 of what is as dark as fluid on there is a surface; below 0.12 there is none. Between them it is
@@ -173,12 +179,25 @@ static void test_surface_lies_in_what_is_dark(void **state) {
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
 }
 
+/* A fetus that is no brighter than the wall is none, unless at least 0.35 of what is dark lie before it. */
+static void test_clear_fluid_needs_no_bright_fetus(void **state) {
+    scan s = scan_make(N, N, N);
+    run_gap_before(&s, 5, MUSCLE, 10, BONE, true); /* 0.333 */
+    assert_true(s.facts.fetus < 0.05 && fabs(s.facts.wanted - 0.05) < 1e-9);
+    assert_int_equal(s.outcome, SV_WALL_NO_FETUS);
+    for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
+    run_gap_before(&s, 5, MUSCLE, 9, BONE, false); /* 0.357 */
+    assert_true(s.facts.fetus < 0.05);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] > 7.0f && s.depth[i] <= 18.0f);
+}
+
 /* Out of 1000 dark blocks, so many lie in gaps: what is said after an outcome of the frame before. */
-static sv_wall_outcome verdict_after(sv_wall_outcome last, uint64_t in_gaps) {
+static sv_wall_outcome verdict_after(sv_wall_outcome last, uint64_t in_gaps, bool seen) {
     sv_wall_settings settings = sv_wall_settings_default();
     settings.last = last;
     const sv_wall_layout l = sv_wall_layout_of(N, N, N, (const double[3]){MM, MM, MM}, &settings);
-    return sv_wall_verdict(&l, &(const sv_wall_gaps){.dark = 1000, .in_gaps = in_gaps});
+    return sv_wall_verdict(&l, &(const sv_wall_gaps){.dark = 1000, .in_gaps = in_gaps}, seen);
 }
 
 /* Limits are 0.02 in favour of what was said of the frame before. Behind frames that told nothing of fluid
@@ -186,22 +205,24 @@ static sv_wall_outcome verdict_after(sv_wall_outcome last, uint64_t in_gaps) {
 static void test_last_outcome_is_kept(void **state) {
     static const struct {
         sv_wall_outcome last;
-        uint64_t doubtful, surface; /* the least of 1000 */
+        uint64_t doubtful, surface, clear; /* the least of 1000 */
         uint32_t fetus;
-    } limits[] = {{SV_WALL_EMPTY, 120, 300, 50},
-                  {SV_WALL_NO_FETUS, 120, 300, 70},
-                  {SV_WALL_NO_FLUID, 140, 320, 30},
-                  {SV_WALL_DOUBTFUL, 100, 320, 30},
-                  {SV_WALL_SURFACE, 100, 280, 30}};
+    } limits[] = {{SV_WALL_EMPTY, 120, 300, 350, 50},
+                  {SV_WALL_NO_FETUS, 120, 300, 370, 70},
+                  {SV_WALL_NO_FLUID, 140, 320, 350, 30},
+                  {SV_WALL_DOUBTFUL, 100, 320, 350, 30},
+                  {SV_WALL_SURFACE, 100, 280, 330, 30}};
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         sv_wall_settings settings = sv_wall_settings_default();
         const sv_wall_outcome last = settings.last = limits[i].last;
         const sv_wall_layout l = sv_wall_layout_of(N, N, N, (const double[3]){MM, MM, MM}, &settings);
         assert_int_equal(sv_wall_fetus_limit(&l), limits[i].fetus);
-        assert_int_equal(verdict_after(last, limits[i].doubtful - 1), SV_WALL_NO_FLUID);
-        assert_int_equal(verdict_after(last, limits[i].doubtful), SV_WALL_DOUBTFUL);
-        assert_int_equal(verdict_after(last, limits[i].surface - 1), SV_WALL_DOUBTFUL);
-        assert_int_equal(verdict_after(last, limits[i].surface), SV_WALL_SURFACE);
+        assert_int_equal(verdict_after(last, limits[i].doubtful - 1, true), SV_WALL_NO_FLUID);
+        assert_int_equal(verdict_after(last, limits[i].doubtful, true), SV_WALL_DOUBTFUL);
+        assert_int_equal(verdict_after(last, limits[i].surface - 1, true), SV_WALL_DOUBTFUL);
+        assert_int_equal(verdict_after(last, limits[i].surface, true), SV_WALL_SURFACE);
+        assert_int_equal(verdict_after(last, limits[i].clear - 1, false), SV_WALL_NO_FETUS);
+        assert_int_equal(verdict_after(last, limits[i].clear, false), SV_WALL_SURFACE);
     }
 }
 
@@ -244,5 +265,5 @@ static void test_darkest_fifth(void **state) {
 
 UNIT_MAIN(NULL, NULL, test_confidence_of_a_doubtful_ray, test_confidence_of_a_cost,
           test_bright_fluid_is_less_sure, test_near_field_is_no_fluid, test_near_field_is_broad,
-          test_skin_tells_nothing, test_surface_lies_in_what_is_dark, test_dim_front_is_no_wall,
-          test_darkest_fifth, test_last_outcome_is_kept)
+          test_skin_tells_nothing, test_surface_lies_in_what_is_dark, test_clear_fluid_needs_no_bright_fetus,
+          test_dim_front_is_no_wall, test_darkest_fifth, test_last_outcome_is_kept)

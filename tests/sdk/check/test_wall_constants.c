@@ -388,6 +388,7 @@ static double bottom_of_pit(uint32_t cells, const sv_wall_settings *s) {
 static void a_surface_has_no_narrow_pits(void **state) {
     sv_wall_settings s = sv_wall_settings_default();
     s.sigma_mm = 0.1;
+    s.seen_share = 0.0;                             /* no fetus is asked for */
     assert_near(bottom_of_pit(13, &s), 20.0, 1e-4); /* there is no fluid */
     s.doubtful_share = 0.0;
     assert_near(bottom_of_pit(12, &s), 4.0, 1e-4);

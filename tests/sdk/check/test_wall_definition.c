@@ -199,13 +199,18 @@ static void test_no_fetus(void **state) {
     for (size_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] > WALL - 1.0f && s.depth[i] < 58.0f);
 }
 
-/* The wall is brighter than all behind it, and the body has no bone: nobody knows what to keep, so nothing
- * is clipped. */
+/* The wall is brighter than all behind it, and the body has no bone. Behind clear fluid it is kept all the
+ * same. If more of the fluid lies behind it, nobody knows what to keep, and nothing is clipped. */
 static void test_nothing_brighter_than_the_wall(void **state) {
+    enum { LAKE = 34 }; /* slices from here on are fluid behind the body */
     scan s = scan_make(N, N, N);
     draw(&s, WALL, GAP, true);
     for (size_t i = 0; i < (size_t)PIXELS * N; i++)
         s.voxels[i] = (uint8_t)(i < (size_t)PIXELS * WALL ? 200 : s.voxels[i] > 60 ? 60 : s.voxels[i]);
+    scan_run(&s);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    assert_true(s.facts.fetus < 0.01);
+    memset(s.voxels + (size_t)PIXELS * LAKE, FLUID / 2, (size_t)PIXELS * (N - LAKE));
     assert_clips_nothing(&s, SV_WALL_NO_FETUS);
     assert_true(s.facts.fetus < 0.01);
 }
