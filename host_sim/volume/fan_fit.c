@@ -34,6 +34,8 @@ enum {
 static const double first_radii[] = {30.0, 120.0}; /* mm, of lines and sweep at the face: trials begin here */
 static const double enough = 0.75;                 /* of the border lies on a fan */
 static const double clear = 0.95;                  /* and as much if it is not turned */
+static const double followed = 0.92;               /* and this share of what lies near: the rest is cut off */
+static const double near_by = 4.0;                 /* times as far as close */
 static const double most_turn = 0.82;              /* cosine of 35 degrees, from the volume's axis */
 static const double parallel_from = 1000.0;        /* mm: a longer radius tells nothing of a place */
 
@@ -49,6 +51,7 @@ typedef struct {
     double x[UNKNOWNS]; /* apex, sweep, (no turn), limits of the lines, of the planes, of the radii */
     double cost;        /* 0: all points lie on it, 1: none */
     double share, median;
+    double follows; /* share of the points near by that are close */
     uint32_t on[6]; /* points close to each surface, as `beyond` numbers them */
 } fan;
 
@@ -275,16 +278,18 @@ static void begin(fan *f, const border *b, uint32_t every, const double axes[9],
 
 /* How well it fits, over all points. */
 static void measure(fan *f, const border *b, double *room) {
-    uint32_t close = 0;
+    uint32_t close = 0, near = 0;
     memset(f->on, 0, sizeof f->on);
     for (uint32_t i = 0; i < b->count; i++) {
         int surface = 0;
         room[i] = fabs(beyond(f, b->points[i], &surface, NULL));
+        near += room[i] <= near_by * b->close;
         if (!(room[i] <= b->close)) continue;
         close++;
         f->on[surface]++;
     }
     f->share = (double)close / b->count;
+    f->follows = near ? (double)close / near : 0.0;
     f->median = quantile(room, b->count, 0.5);
 }
 
@@ -304,7 +309,7 @@ static fan fit_from(const double axes[9], const border *b, double *room, bool tu
         if (f.cost < best.cost) best = f;
     }
     if (best.cost > 1.0) return best;
-    if (best.cost < 0.6) improve(&best, b, 1 + (b->count - 1) / (5 * FEW), 15, 1.0);
+    if (best.cost < 0.6) improve(&best, b, 1 + (b->count - 1) / (5 * FEW), 60, 1.0);
     measure(&best, b, room);
     return best;
 }
@@ -332,15 +337,19 @@ static double first_scanned(const fan *f, const border *b) {
     return enters;
 }
 
+/* An outline that runs beside the fan instead of along it, like a box with oblique sides, tells where the
+ * probe was. That the beams are a fan it does not tell: then they count as parallel. */
 static void take(hs_volume *v, hs_probe face, const fan *f, const border *b) {
     double axes[9];
     hs_course *c = &v->course;
     hs_probe_axes(v, face, axes);
-    c->kind = HS_BEAMS_FAN;
-    memcpy(c->apex, f->x + PLACE, sizeof c->apex);
-    c->sweep = f->x[SWEEP];
-    c->face = f->on[4] > b->count / 20 ? f->x[FACE] : first_scanned(f, b);
-    c->misfit = f->median;
+    c->kind = f->follows >= followed ? HS_BEAMS_FAN : HS_BEAMS_PARALLEL;
+    if (c->kind == HS_BEAMS_FAN) {
+        memcpy(c->apex, f->x + PLACE, sizeof c->apex);
+        c->sweep = f->x[SWEEP];
+        c->face = f->on[4] > b->count / 20 ? f->x[FACE] : first_scanned(f, b);
+        c->misfit = f->median;
+    }
     v->probe = face;
     for (int i = 0; i < 9; i++) { /* from the probe's axes to those of who looks from the face */
         v->probe_turn[i] = 0.0;

@@ -5,6 +5,7 @@
  * is no fan is none.
  */
 #include "support/host_fixture.h"
+#include "support/scene_fixture.h"
 #include "volume/fan_fit.h"
 #include "volume/metaimage.h"
 
@@ -200,6 +201,21 @@ static void others_are_none(void **state) {
         }
 }
 
+/* A box whose sides are oblique narrows to the probe like a fan. But its outline runs beside the fan that
+ * comes closest, by a millimetre and more on a tenth of it, and its beams are parallel. */
+static void oblique_box_is_parallel(void **state) {
+    static const double axis[3] = {0, 0, 1}; /* of the beams, column 2 of the turn */
+    char words[160];
+    hs_scene_data data = make_scene("H03", 96, 2, 0, 0);
+    hs_volume *v = &data.full;
+    v->course = (hs_course){0};
+    memset(v->probe_turn, 0, sizeof v->probe_turn);
+    hs_volume_find_beams(v);
+    hs_course_words(v, words, sizeof words);
+    assert_string_equal(words, "parallel, from -z, which the scan narrows to");
+    for (int k = 0; k < 3; k++) assert_near(v->probe_turn[3 * k + 2], axis[k], 0.02);
+}
+
 /* Real scans, where they are at hand: some are turned in their box, one ends within the fan. */
 static void real_scans(void **state) {
     static const char *const scans[] = {"fetal_head_21w.mha", "fetal_head_22w.mha", "fetal_head_23w.mha",
@@ -221,4 +237,5 @@ static void real_scans(void **state) {
     if (found == 0) skip();
 }
 
-UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts, others_are_none, real_scans)
+UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts, others_are_none, oblique_box_is_parallel,
+          real_scans)
