@@ -20,6 +20,7 @@ typedef struct {
     uint fluid, fluid_end;         /* where the surface belongs if there is no fetus */
     uint fetus, in_run;            /* probability of a fetus; of one that begins in the first run */
     uint doubt;                    /* probability of a fetus that begins with a run behind what is no fluid */
+    uint front;                    /* RAY_FRONT */
 } ray_t;
 
 /* What is kept of the layers of a ray, `pitch` apart. */
@@ -73,19 +74,23 @@ static uint doubt_of(uint probability, uint certain) {
 static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
     uint before = SV_WALL_PROBABILITY_ONE, now = before, maximum = 0, near = l->full_distance;
     uint darkest = SV_WALL_TISSUE, certain = SV_WALL_PROBABILITY_ONE;
+    uint begin = 0;
     bool behind = false, over = false;
     r->fluid_end = r->end;
     r->doubt = 0;
+    r->front = l->layers;
     for (uint z = 0; z < l->layers; z++) {
         const uint level = r->levels[z * r->level_pitch];
         const bool tissue = level > SV_WALL_TISSUE;
         if (behind && !tissue) r->doubt += doubt_of(before - now, certain);
         if (tissue && !behind && r->run_end < z) /* fluid that ends a first run is certain */
             certain = certainty_of(l, darkest, r->touches && !over);
+        if (tissue && !behind) begin = z;
         darkest = tissue ? (uint)SV_WALL_TISSUE : min(darkest, level);
         if (tissue) {
             maximum = max(maximum, probability_at(l, r, z));
             now = before - share(before, maximum);
+            if (r->front == l->layers && now <= SV_WALL_PROBABILITY_ONE - SV_WALL_LIKELY) r->front = begin;
             if (!behind && r->run_end < z && !over) { /* tissue behind the first fluid */
                 r->fluid_end = z;
                 over = true;
@@ -106,11 +111,12 @@ static void forward_pass(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
 }
 
 /* Finds the first fluid after the forward pass. With an open front, or without fluid, the surface belongs in
- * front of the tissue. */
-static void forward_end(ray_t *r, const layers_t *s) {
+ * front of the tissue. A run at the start of the scan has no fluid in front of it. */
+static void forward_end(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
     const bool in_front = !(r->touches && r->run_end < r->end);
     r->fluid = in_front ? 0 : r->run_end;
     r->fluid_end = in_front ? r->run : r->fluid_end;
+    if (r->front == r->first) r->front = l->layers;
     r->in_run = r->touches && r->run_end > r->run ? s->fetus[(r->run_end - 1) * s->pitch] : 0;
 }
 
@@ -160,11 +166,11 @@ static void load_ray(const sv_wall_layout *l, __global const ushort *rays, uint 
     r->touches = r->scanned && r->run == r->first;
 }
 
-/* One work item per ray: stores what is kept of its layers. */
+/* One work item per ray: stores what is kept of its layers, and RAY_FRONT. */
 __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict info,
                                __global const uchar *restrict levels,
                                __global const uchar *restrict brightness,
-                               __global const uchar *restrict flags, __global const ushort *restrict rays,
+                               __global const uchar *restrict flags, __global ushort *restrict rays,
                                __global ushort *restrict scratch) {
     const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
@@ -177,7 +183,8 @@ __kernel void wall_items_costs(sv_wall_layout l, __global const uint *restrict i
     r.cell_pitch = cell_row(&l, 1, 0);
     load_ray(&l, rays, x, row, &r);
     forward_pass(&l, &r, &s);
-    forward_end(&r, &s);
+    forward_end(&l, &r, &s);
+    rays[block_row(&l, RAY_FRONT, row) + x] = (ushort)r.front;
     backward_pass(&l, &r, &s);
 }
 

@@ -97,7 +97,7 @@ __kernel void wall_items_confidence(sv_wall_layout l, __global const uint *restr
 }
 
 /* One work item per ray: moves the surface in its range, to the far end at q = 0, to the near end at q = 1,
- * linear to either side of 0.5. In tissue it goes back to the fluid. */
+ * linear to either side of 0.5. From there it may go back. */
 __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict info,
                               __global const uchar *restrict levels, __global const ushort *restrict rays,
                               __global float *restrict planes) {
@@ -106,8 +106,7 @@ __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict in
     const float part = fabs(2.0f * l.q - 1.0f), place = planes[plane_row(&l, PLANE_MEDIAN, y) + x];
     const float end = planes[plane_row(&l, l.q < 0.5f ? PLANE_MEDIAN_FAR : PLANE_MEDIAN_NEAR, y) + x];
     const float at = fmax(place + part * (end - place), 0.0f);
-    planes[plane_row(&l, PLANE_SURFACE, y) + x] =
-        back_to_fluid(&l, levels + level_row(&l, 0, y) + x, rays[block_row(&l, RAY_FIRST, y) + x], at);
+    planes[plane_row(&l, PLANE_SURFACE, y) + x] = move_back(&l, levels, rays, x, y, at);
 }
 
 /* One work item per pixel. The depthmap at q, from value `first` on; zeros if there is no surface. */

@@ -20,6 +20,7 @@ typedef struct {
     i16l scanned;                  /* there are scanned layers */
     i16l touches;                  /* the first run begins where the scan does */
     i16l fluid, fluid_end;         /* where the surface belongs if there is no fetus */
+    i16l front;                    /* RAY_FRONT */
     u16l fetus, in_run;            /* probability of a fetus; of one that begins in the first run */
     u16l doubt;                    /* probability of a fetus that begins with a run behind what is no fluid */
     /* for every layer: probability that the fetus has begun, distance to the fluid in front */
@@ -80,7 +81,8 @@ typedef struct {
     u16l before, now, maximum;
     u8l behind, near, over; /* tissue in the layer before; distance to the fluid; the first fluid has ended */
     u8l darkest;            /* level of the darkest block of the fluid in front */
-    u16l certain;           /* that there is fluid in front of the run */
+    u16l certain;           /* that there is fluid in front of the run, */
+    i16l begin;             /* which begins here */
 } forward_t;
 
 static i32h has_bit(u32h flags, uint bit) {
@@ -115,6 +117,8 @@ static void forward_fetus(const sv_wall_layout *l, rays_t *r, uint z, u16l tissu
     w->before = SELECT(w->now, w->before, tissue);
     const u16l fetus = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
     r->in_run = SELECT(r->in_run, fetus, in_run);
+    const i16l likely = AS_I16(fetus >= (u16l)(SV_WALL_LIKELY)) & (r->front == (i16l)((short)l->layers));
+    r->front = SELECT(r->front, w->begin, likely);
     r->fetus_at[z] = fetus;
 }
 
@@ -140,6 +144,7 @@ static void forward_doubt(const sv_wall_layout *l, rays_t *r, uint z, u8l level,
     if (any_byte(begins)) {
         const i16l known = (r->touches | (r->run_end > (i16l)((short)z))) & ~words_of(w->over);
         w->certain = SELECT(w->certain, certainty_of(l, w->darkest, known), AS_U16(words_of(begins)));
+        w->begin = SELECT(w->begin, (i16l)((short)z), words_of(begins));
     }
     w->darkest = SELECT(MINIMUM(w->darkest, level), (u8l)(SV_WALL_TISSUE), tissue);
 }
@@ -164,17 +169,20 @@ static void forward_begin(const sv_wall_layout *l, rays_t *r, forward_t *w) {
     w->darkest = (u8l)(SV_WALL_TISSUE);
     w->behind = w->over = (u8l)(0);
     w->near = (u8l)((uchar)l->full_distance);
+    w->begin = (i16l)(0);
+    r->front = (i16l)((short)l->layers);
     r->fluid_end = r->end;
     r->in_run = r->doubt = (u16l)(0);
 }
 
 /* Finds the first fluid, once the last layer is passed. With an open front, or without fluid, the surface
- * belongs in front of the tissue. */
-static void forward_end(rays_t *r, forward_t *w) {
+ * belongs in front of the tissue. A run at the start of the scan has no fluid in front of it. */
+static void forward_end(const sv_wall_layout *l, rays_t *r, forward_t *w) {
     end_run(r, w->behind, w);
     const i16l in_front = ~(r->touches & (r->run_end < r->end));
     r->fluid = r->run_end & ~in_front;
     r->fluid_end = SELECT(r->fluid_end, r->run, in_front);
+    r->front = SELECT(r->front, (i16l)((short)l->layers), r->front == r->first);
     r->fetus = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
 }
 
@@ -221,7 +229,7 @@ static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
         if (s->certain_from == l->layers) forward_layer(l, s, z, levels, tissue, w);
         UNROLL for (uint i = 0; i < 2; i++) forward_fluid(l, &r[i], z, tissue[i], &w[i]);
     }
-    UNROLL for (uint i = 0; i < 2; i++) forward_end(&r[i], &w[i]);
+    UNROLL for (uint i = 0; i < 2; i++) forward_end(l, &r[i], &w[i]);
 }
 
 /* Returns what LANES rays pay in layer z, in front of `certain_from`, but for the distance. `later`:
@@ -375,7 +383,10 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
             load_rays(&l, rays, x, 2 * row + i, &s.rays[i]);
         }
         forward_pass(&l, &s);
-        UNROLL for (uint i = 0; i < 2; i++) sum += sum_lanes(s.rays[i].fetus & AS_U16(s.rays[i].scanned));
+        UNROLL for (uint i = 0; i < 2; i++) {
+            ray_row(rays, &l, RAY_FRONT, 2 * row + i)[x] = AS_U16(s.rays[i].front);
+            sum += sum_lanes(s.rays[i].fetus & AS_U16(s.rays[i].scanned));
+        }
         backward_pass(&l, &s, costs + at);
     }
     fetus[row] = sum;

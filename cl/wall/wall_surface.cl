@@ -128,7 +128,7 @@ __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict in
 }
 
 /* One work item per row of rays: moves the surface in its range, to the far end at q = 0, to the near end at
- * q = 1, linear to either side of 0.5. In tissue it goes back to the fluid. */
+ * q = 1, linear to either side of 0.5. From there it may go back. */
 __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
                         __global const uchar *restrict levels, __global const ushort *restrict rays,
                         __global float *restrict planes) {
@@ -144,9 +144,7 @@ __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
         *(__global float16 *)(surface + x) = fmax(at, 0.0f);
     }
     ROLLED_LOADS
-    for (uint x = 0; x < l.columns; x++)
-        surface[x] = back_to_fluid(&l, levels + level_row(&l, 0, y) + x,
-                                   rays[block_row(&l, RAY_FIRST, y) + x], surface[x]);
+    for (uint x = 0; x < l.columns; x++) surface[x] = move_back(&l, levels, rays, x, y, surface[x]);
 }
 
 /* Steps to the next pixel. There are at most twice as many rays as pixels. */

@@ -10,7 +10,7 @@
 
 #include <stdlib.h>
 
-enum { RAY_PLANES = 4, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
+enum { RAY_PLANES = 5, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
 
 /* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {

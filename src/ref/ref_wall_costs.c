@@ -154,16 +154,28 @@ static bool facts_make(uint32_t layers, ray_facts *f) {
     return false;
 }
 
+/* Finds where the run begins in which the fetus has more likely begun than not. A run at the start of the
+ * scan has no fluid in front of it. */
+static uint16_t find_front(const sv_wall_scan *s, size_t ray, const ray_facts *f) {
+    const uint32_t layers = s->layout->layers, start = s->blocks->first[ray];
+    uint32_t z = start;
+    while (z < layers && f->cumulative[z] < SV_WALL_LIKELY) z++;
+    while (z > start && z < layers && sv_wall_is_tissue(s, ray, z - 1)) z--;
+    return (uint16_t)(z > start ? z : layers);
+}
+
 bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_wall_costs *costs) {
     const sv_wall_layout *l = s->layout;
     const size_t rays = (size_t)l->columns * l->rows, count = (size_t)l->cells[0] * l->cells[1] * l->layers;
     ray_facts f;
-    *costs = (sv_wall_costs){.all = calloc(count, sizeof(uint32_t))};
-    if (!costs->all || !facts_make(l->layers, &f)) {
+    *costs =
+        (sv_wall_costs){.all = calloc(count, sizeof(uint32_t)), .fronts = calloc(rays, sizeof(uint16_t))};
+    if (!costs->all || !costs->fronts || !facts_make(l->layers, &f)) {
         sv_wall_costs_destroy(costs);
         return false;
     }
     for (size_t ray = 0; ray < rays; ray++) {
+        costs->fronts[ray] = (uint16_t)l->layers;
         if (s->blocks->first[ray] == s->blocks->end[ray]) continue;
         f.first = sv_wall_first_run(s, ray);
         forward_fetus(s, e, ray, &f);
@@ -171,6 +183,7 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
         first_fluid(s, ray, &f);
         const size_t cell = ray / l->columns / 2 * l->cells[0] + ray % l->columns / 2;
         add_ray(l, e->bare, &f, costs->all + cell * l->layers);
+        costs->fronts[ray] = find_front(s, ray, &f);
         costs->fetus += f.cumulative[l->layers - 1];
     }
     for (size_t i = 0; i < count; i++) costs->all[i] = (costs->all[i] + RAYS_OF_CELL / 2) / RAYS_OF_CELL;
@@ -180,5 +193,6 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
 
 void sv_wall_costs_destroy(sv_wall_costs *costs) {
     free(costs->all);
+    free(costs->fronts);
     *costs = (sv_wall_costs){0};
 }

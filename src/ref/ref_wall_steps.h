@@ -138,8 +138,10 @@ uint8_t sv_wall_surroundings_at(const sv_wall_scan *scan, size_t ray, size_t z);
 /* Costs in units of 1 / SV_WALL_COST_ONE: cell c clipped at layer z at [c * layers + z]. A cell pays the mean
  * of its two by two rays, rounded half up; a ray that was not scanned pays nothing. */
 typedef struct {
-    uint32_t *all;  /* the distance to the fluid, a cut fetus, an occluder that is left, a wrong fluid */
-    uint64_t fetus; /* sum over the rays of the probability that the fetus is on them */
+    uint32_t *all;    /* the distance to the fluid, a cut fetus, an occluder that is left, a wrong fluid */
+    uint64_t fetus;   /* sum over the rays of the probability that the fetus is on them */
+    uint16_t *fronts; /* of every ray: where the run begins in which the fetus has more likely begun than
+                         not; layout->layers: there is none, or no fluid in front of it */
 } sv_wall_costs;
 
 bool sv_wall_costs_create(const sv_wall_scan *scan, const sv_wall_evidence *evidence, sv_wall_costs *costs);

@@ -181,9 +181,16 @@ static float back_to_fluid(const sv_wall_scan *s, size_t ray, float place) {
     return place;
 }
 
+/* Moves a surface that lies behind the front of its ray's fetus back to that, at most by twice
+ * `full_distance`: its neighbours, which do not see it, have drawn it through. */
+static float back_to_front(const sv_wall_layout *l, uint16_t front, float place) {
+    const float behind = place - (float)front;
+    return behind > 0.0f && behind <= (float)(2 * l->full_distance) ? (float)front : place;
+}
+
 /* Moves the surface in its range: to the far end at q = 0, to the near end at q = 1, linear to either side of
- * 0.5. In tissue it goes back to the fluid. */
-static void apply_knob(const sv_wall_scan *scan, float *filtered) {
+ * 0.5. In tissue it goes back to the fluid, and behind the front of the fetus back to that. */
+static void apply_knob(const sv_wall_scan *scan, const uint16_t *fronts, float *filtered) {
     const sv_wall_layout *l = scan->layout;
     const size_t count = (size_t)l->columns * l->rows;
     const float part = fabsf(2.0f * l->q - 1.0f);
@@ -191,7 +198,7 @@ static void apply_knob(const sv_wall_scan *scan, float *filtered) {
     float *const place = filtered + LAYER * count;
     for (size_t ray = 0; ray < count; ray++) {
         const float at = place[ray] + part * (end[ray] - place[ray]);
-        place[ray] = back_to_fluid(scan, ray, at > 0.0f ? at : 0.0f);
+        place[ray] = back_to_front(l, fronts[ray], back_to_fluid(scan, ray, at > 0.0f ? at : 0.0f));
     }
 }
 
@@ -336,7 +343,7 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
         /* a person who asks for it gets a surface all the same */
         if (*outcome == SV_WALL_NO_FLUID && l->clip_doubtful) *outcome = SV_WALL_DOUBTFUL;
         fill_pits(scan, *outcome == SV_WALL_DOUBTFUL, filtered, layers);
-        apply_knob(scan, filtered);
+        apply_knob(scan, given->fronts, filtered);
         interpolate(l, filtered + LAYER * count, (float)l->depth, depth);
     }
     free(costs);

@@ -222,6 +222,31 @@ static void costs_of(const model *m, double cost[DEEP]) {
     sv_wall_costs_destroy(&costs);
 }
 
+/* Where the fetus begins on a ray of such a cell. */
+static uint32_t front_of(const model *m) {
+    sv_wall_evidence e = {.wall_rays = 4};
+    sv_wall_costs costs;
+    e.first_run[BRIGHT_CELL] = e.later_run[BRIGHT_CELL] = SV_WALL_LIKELY;
+    assert_true(sv_wall_costs_create(&m->scan, &e, &costs));
+    const uint32_t front = costs.fronts[0];
+    sv_wall_costs_destroy(&costs);
+    return front;
+}
+
+/* A run that is dark in its first two layers is the fetus from these on, if fluid lies before it. */
+static void the_fetus_begins_where_its_run_does(void **state) {
+    model m;
+    make(&m, 1, 1, DEEP, NULL);
+    assert_int_equal(front_of(&m), DEEP);
+    put_tissue(&m, 6, 12, BRIGHT_CELL);
+    put_tissue(&m, 6, 8, DARK_CELL);
+    assert_int_equal(front_of(&m), 6);
+    put_tissue(&m, 0, 5, DARK_CELL);
+    assert_int_equal(front_of(&m), 6);
+    put_tissue(&m, 0, 5, BRIGHT_CELL); /* without its skin */
+    assert_int_equal(front_of(&m), DEEP);
+}
+
 #define COST_STEP (1.0 / SV_WALL_COST_ONE)
 
 /* Wall in layers 0 .. 4, fluid of `level` up to 9, then the fetus: what the layers cost. */
@@ -299,23 +324,26 @@ enum { ACROSS = 32, PIXELS = 4 * ACROSS };
 
 typedef struct {
     uint32_t cost[ACROSS][DEEP]; /* in units of 1 / SV_WALL_COST_ONE */
+    uint16_t front;              /* where the fetus begins, of every ray; 0: nowhere */
     float depth[PIXELS], confidence[PIXELS];
 } row_of_cells;
 
 static void select_surface(row_of_cells *r, const sv_wall_settings *settings) {
     sv_wall_gaps gaps;
     sv_wall_outcome outcome;
+    uint16_t fronts[PIXELS];
     model m;
     make(&m, ACROSS, 1, DEEP, settings);
+    for (uint32_t i = 0; i < PIXELS; i++) fronts[i] = r->front ? r->front : DEEP;
     assert_true(sv_wall_select_surface(&m.scan, &(sv_wall_levels){.two = true},
-                                       &(sv_wall_costs){.all = &r->cost[0][0]}, NULL, r->depth, r->confidence,
-                                       &gaps, &outcome));
+                                       &(sv_wall_costs){.all = &r->cost[0][0], .fronts = fronts}, NULL,
+                                       r->depth, r->confidence, &gaps, &outcome));
 }
 
 /* Layer 5 costs nothing, the two behind it a quarter, all others 2. Below 0.5 they weigh 2 : 1 : 1, so the
  * surface is layer 5.75, of two slices. Costs cross half of that an eighth before layer 5, and at layer 6. */
 static void layers_are_averaged_and_the_knob_moves_over_some(void **state) {
-    row_of_cells r;
+    row_of_cells r = {0};
     for (uint32_t i = 0; i < ACROSS * DEEP; i++) {
         const uint32_t z = i % DEEP;
         r.cost[i / DEEP][z] = z == 5 ? 0 : z == 6 || z == 7 ? SV_WALL_COST_ONE / 4 : 2 * SV_WALL_COST_ONE;
@@ -329,6 +357,23 @@ static void layers_are_averaged_and_the_knob_moves_over_some(void **state) {
     s.q = 1.0;
     select_surface(&r, &s);
     assert_near((double)r.depth[0], 9.75, 1e-4);
+}
+
+/* The depth of a surface that lies in layer 9, on a ray whose fetus begins in layer `front`. */
+static double depth_before(uint16_t front) {
+    row_of_cells r = {.front = front};
+    for (uint32_t i = 0; i < ACROSS * DEEP; i++)
+        r.cost[i / DEEP][i % DEEP] = i % DEEP == 9 ? 0 : 2 * SV_WALL_COST_ONE;
+    select_surface(&r, NULL);
+    return (double)r.depth[0];
+}
+
+/* 7 mm are four layers. From twice that behind the front of the fetus the surface goes back to it. */
+static void the_surface_goes_back_to_the_fetus(void **state) {
+    assert_near(depth_before(DEEP), 18.0, 1e-4);
+    assert_near(depth_before(10), 18.0, 1e-4);
+    assert_near(depth_before(7), 14.0, 1e-4);
+    assert_near(depth_before(1), 2.0, 1e-4);
 }
 
 /* 2.9 mm are 1.45 cells. The weights of the Gaussian, in 64ths, are 18, 14, 7, 2. One cell costs 16. Its rays
@@ -350,7 +395,7 @@ static void the_gaussian_smooths_costs(void **state) {
 static uint32_t columns_that_stay(uint32_t cells) {
     enum { FROM = 13, NEAR = 3, FAR = 9 };
     sv_wall_settings s = sv_wall_settings_default();
-    row_of_cells r;
+    row_of_cells r = {0};
     uint32_t columns = 0;
     for (uint32_t i = 0; i < ACROSS * DEEP; i++) {
         const uint32_t x = i / DEEP, at = x >= FROM && x < FROM + cells ? FAR : NEAR;
@@ -372,7 +417,7 @@ static void the_median_looks_six_rays_aside(void **state) {
 /* Returns the depth in the middle of a pit of so many cells, from layer 2 to 10. */
 static double bottom_of_pit(uint32_t cells, const sv_wall_settings *s) {
     enum { FROM = 8 };
-    row_of_cells r;
+    row_of_cells r = {0};
     for (uint32_t i = 0; i < ACROSS * DEEP; i++) {
         const uint32_t cell = i / DEEP, cheapest = cell >= FROM && cell < FROM + cells ? 10 : 2;
         r.cost[cell][i % DEEP] = i % DEEP == cheapest ? 0 : 2 * SV_WALL_COST_ONE;
@@ -402,6 +447,7 @@ UNIT_MAIN(NULL, NULL, blocks_are_of_about_two_millimetres, a_twentieth_is_darker
           all_that_is_bright_weighs_a_twentieth, a_front_is_dim_from_two_fifths_on,
           brightness_reaches_two_cells, the_wall_is_the_median_and_its_spread_that_of_the_deciles,
           a_wall_on_few_rays_is_assumed, three_rays_and_one_half_make_the_fetus, what_errors_cost,
-          what_is_dim_is_no_certain_fluid, the_first_fluid_is_certain, one_side_weighs_three_tenths,
-          layers_are_averaged_and_the_knob_moves_over_some, the_gaussian_smooths_costs,
-          the_median_looks_six_rays_aside, a_surface_has_no_narrow_pits)
+          the_fetus_begins_where_its_run_does, what_is_dim_is_no_certain_fluid, the_first_fluid_is_certain,
+          one_side_weighs_three_tenths, layers_are_averaged_and_the_knob_moves_over_some,
+          the_surface_goes_back_to_the_fetus, the_gaussian_smooths_costs, the_median_looks_six_rays_aside,
+          a_surface_has_no_narrow_pits)
