@@ -94,13 +94,48 @@ static inline void sva_keep_format(sva *a, const sv_format *format) {
     for (int i = 0; i < 3; i++) f->spacing_mm[i] = SV_ASSUMED_EXTENT_MM / (float)longest;
 }
 
+/* Bytes of a known value behind each map that a method fills: more than a row of most of them. */
+enum { SVA_GUARD_BYTES = 4096, SVA_GUARD = 0xa5 };
+
+/* Zeros for every ray, with the guard behind them; NULL without memory. */
+static inline void *sva_make_map(const sva *a, size_t ray_bytes) {
+    const size_t rays = sva_rays(a), bytes = rays * ray_bytes;
+    if (ray_bytes > ((size_t)-1 - SVA_GUARD_BYTES) / rays) return NULL;
+    uint8_t *map = (uint8_t *)calloc(1, bytes + SVA_GUARD_BYTES);
+    if (map) memset(map + bytes, SVA_GUARD, SVA_GUARD_BYTES);
+    return map;
+}
+
+/* 1 if something was written behind a map; the guard is whole again then. */
+static inline int sva_is_overrun(const sva *a, void *map, size_t ray_bytes) {
+    uint8_t *guard = map ? (uint8_t *)map + sva_rays(a) * ray_bytes : NULL;
+    for (size_t i = 0; guard && i < SVA_GUARD_BYTES; i++)
+        if (guard[i] != SVA_GUARD) {
+            memset(guard, SVA_GUARD, SVA_GUARD_BYTES);
+            return 1;
+        }
+    return 0;
+}
+
+/* The method's status, or SV_ERR_INTERNAL if it has written beyond its rays. */
+static inline sv_status sva_check_maps(sva *a, const char *call, sv_status status) {
+    const int depth = sva_is_overrun(a, a->depth, sizeof *a->depth), points = sva_is_overrun(a, a->points, 1),
+              rays = sva_is_overrun(a, a->rays, a->method->ray_bytes);
+    const unsigned count = (unsigned)sva_rays(a);
+    if (!depth && !points && !rays) return status;
+    return sva_accuse(a, SV_ERR_INTERNAL, "%s: surface wrote beyond its %u rays%s", call, count,
+                      depth    ? ""
+                      : points ? " into what follows sva.points"
+                               : " into what follows sva.rays: is sva_method.ray_bytes right?");
+}
+
 static inline sv_status sva_allocate(sva *a) {
     const int maps = a->method->output == NULL;
     if (maps && a->format.carrier == SV_CARRIER_HOST)
         a->slice = (const uint8_t **)calloc(a->format.slices, sizeof *a->slice);
-    if (maps) a->depth = (float *)calloc(sva_rays(a), sizeof *a->depth);
-    if (maps) a->points = (uint8_t *)calloc(sva_rays(a), 1);
-    if (maps && a->method->ray_bytes) a->rays = calloc(sva_rays(a), a->method->ray_bytes);
+    if (maps) a->depth = (float *)sva_make_map(a, sizeof *a->depth);
+    if (maps) a->points = (uint8_t *)sva_make_map(a, 1);
+    if (maps && a->method->ray_bytes) a->rays = sva_make_map(a, a->method->ray_bytes);
     /* For who finds a crash behind it: sv_validate quotes the last line. */
     if (maps && !a->own) sva_log(a, SV_LOG_DEBUG, "sva_method.own_bytes is 0: sva.own is NULL");
     if (maps && !a->method->ray_bytes)
@@ -177,7 +212,7 @@ static inline sv_status sva_on_slab(sva *a, const sv_slab *slab) {
     for (uint32_t s = 0; a->slice && s < slab->slice_count; s++)
         a->slice[slab->first_slice + s] = (const uint8_t *)slab->memory + sva_byte(&a->format, 0, 0, s);
     a->next_slice += slab->slice_count;
-    if (a->method->slab) status = sva_heed(a, "slab", a->method->slab(a, slab));
+    if (a->method->slab) status = sva_check_maps(a, "slab", sva_heed(a, "slab", a->method->slab(a, slab)));
     if (status >= SV_OK) a->state = SVA_SLABS;
     return sva_fail(a, status);
 }
@@ -236,7 +271,7 @@ static inline sv_status sva_deliver(sva *a, const char *call, sv_status status, 
         status = sva_heed(a, call, status);
         return status < 0 ? status : sva_heed(a, call, a->method->output(a, result));
     }
-    status = sva_settle(a, call, status);
+    status = sva_settle(a, call, sva_check_maps(a, call, status));
     return status < 0 ? status : sva_give_out(a, call, result);
 }
 

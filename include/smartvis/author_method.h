@@ -64,8 +64,9 @@ typedef struct sva_method {
     sv_status (*slab)(sva *a, const sv_slab *slab);
 
     /* All slabs are there: fills `depth`, width * height values without a gap, and if it likes a->points (the
-     * status map, all SV_POINT_NONE so far). Returns SV_OK: the outcome follows from how many depths are
-     * SVA_NO_DEPTH. Or SV_NO_SURFACE: the map is zeroed. With `output`, depth is NULL. */
+     * status map, all SV_POINT_NONE so far). What is written behind these, or a->rays, fails the frame.
+     * Returns SV_OK: the outcome follows from how many depths are SVA_NO_DEPTH. Or SV_NO_SURFACE: the map is
+     * zeroed. With `output`, depth is NULL. */
     sv_status (*finish)(sva *a, float *depth);
 
     /* The frame of the last finish again with other values, from what finish kept in a->own: the voxels may
@@ -222,6 +223,15 @@ SVA_PRINTF(3, 4) static inline sv_status sva_blame(sva *a, sv_status status, con
     va_list args;
     va_start(args, format);
     status = sva_report(a, SV_LOG_HOST_MISBEHAVING, format, args, status);
+    va_end(args);
+    return status;
+}
+
+/* The same where the method itself broke one. */
+SVA_PRINTF(3, 4) static inline sv_status sva_accuse(sva *a, sv_status status, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    status = sva_report(a, SV_LOG_PLUGIN_MISBEHAVING, format, args, status);
     va_end(args);
     return status;
 }

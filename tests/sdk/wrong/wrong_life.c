@@ -258,9 +258,25 @@ static void misbehave(sv_plugin *api) {
     api->get_extension = extension;
 }
 
+/* The surface, and what the helper's guards must find. */
+static sv_status find(sva *a, float *depth) {
+    const size_t rays = sva_rays(a);
+    const sv_status status = wrong_find(a, depth);
+    if (WRONG_IS(surface_overruns)) depth[rays] = 0.0f;
+    if (WRONG_IS(points_overrun)) memset(a->points + rays, SV_POINT_NONE, a->format.width);
+    if (WRONG_IS(rays_overrun)) ((wrong_edge *)a->rays)[rays].far = 1;
+    return status;
+}
+
+static const sva_method complete = {.descriptor = &wrong_descriptor,
+                                    .params = wrong_params,
+                                    .param_count = PARAMS,
+                                    .ray_bytes = sizeof(wrong_edge),
+                                    .finish = find,
+                                    .adjust = wrong_place};
 static const sva_method forgetful = {.descriptor = &wrong_descriptor,
                                      .params = wrong_params,
                                      .param_count = PARAMS,
                                      .finish = wrong_find,
                                      .adjust = wrong_place};
-WRONG_ENTRY(*(WRONG_IS(forgets_ray_bytes) ? &forgetful : &wrong_method), misbehave);
+WRONG_ENTRY(*(WRONG_IS(forgets_ray_bytes) ? &forgetful : &complete), misbehave);
