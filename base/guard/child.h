@@ -104,6 +104,11 @@ hs_child_news hs_child_wait(hs_child *child, double seconds);
  * are. */
 void hs_child_wait_end(hs_child *child, double seconds);
 
+/* The same, and `late` is asked now and then: the seconds that a part of its work was allowed and has taken
+ * longer than, 0 as long as it has not. */
+void hs_child_wait_watched(hs_child *child, double seconds, double (*late)(const void *context),
+                           const void *context);
+
 /* Bytes of its output beyond the limit, which nobody saw, since the last call. The limit holds anew. */
 uint64_t hs_child_dropped(hs_child *child);
 

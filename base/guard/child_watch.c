@@ -113,12 +113,17 @@ hs_child_news hs_child_wait(hs_child *child, double seconds) {
 }
 
 void hs_child_wait_end(hs_child *child, double seconds) {
+    hs_child_wait_watched(child, seconds, NULL, NULL);
+}
+
+void hs_child_wait_watched(hs_child *child, double seconds, double (*late)(const void *context),
+                           const void *context) {
     const double until = hs_now() + seconds;
     int pause_ms = 1; /* most children end at once */
     while (!look(child)) {
-        const double left = until - hs_now();
-        if (left <= 0) {
-            hs_child_kill(child, HS_CHILD_LATE, seconds);
+        const double left = until - hs_now(), allowed = late ? late(context) : 0.0;
+        if (left <= 0 || allowed > 0) {
+            hs_child_kill(child, HS_CHILD_LATE, allowed > 0 ? allowed : seconds);
             return;
         }
         const int slice = slice_ms(left);

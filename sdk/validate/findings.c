@@ -40,6 +40,13 @@ static const char *colour_of(v_verdict verdict) {
     return codes[verdict];
 }
 
+/* What to do about it. A call that does not come back says nothing of the rule that was tried. */
+static const char *mend(const v_finding *f) {
+    return f->verdict == V_TIMEOUT
+               ? "Look for a loop or a wait in that call whose end these values or voxels put off."
+               : f->check->rule->mend;
+}
+
 void v_print_finding(const v_finding *f, bool colour) {
     (void)printf("%s%-7s%s %-22s %6.1f s", colour ? colour_of(f->verdict) : "", v_verdict_name(f->verdict),
                  colour ? "\x1b[0m" : "", f->check->id, f->seconds);
@@ -72,7 +79,7 @@ void v_print_summary(const v_options *options, const v_finding *findings, size_t
         const v_finding *f = &findings[i];
         if (!v_is_bad(f->verdict)) continue;
         (void)printf("  %s%s%s: %s\n      %s\n      %s\n", colour ? "\x1b[1m" : "", f->check->id,
-                     colour ? "\x1b[0m" : "", f->check->rule->what, f->text, f->check->rule->mend);
+                     colour ? "\x1b[0m" : "", f->check->rule->what, f->text, mend(f));
     }
 }
 
@@ -82,10 +89,10 @@ bool v_print_json(const v_options *options, const v_finding *findings, size_t co
     for (size_t i = 0; i < count; i++) {
         const v_finding *f = &findings[i];
         bad |= v_is_bad(f->verdict);
-        (void)json_array_append_new(checks, json_pack("{s:s, s:s, s:s, s:f, s:s, s:s}", "id", f->check->id,
-                                                      "verdict", v_verdict_name(f->verdict), "text", f->text,
-                                                      "seconds", f->seconds, "what", f->check->rule->what,
-                                                      "mend", f->check->rule->mend));
+        (void)json_array_append_new(checks,
+                                    json_pack("{s:s, s:s, s:s, s:f, s:s, s:s}", "id", f->check->id, "verdict",
+                                              v_verdict_name(f->verdict), "text", f->text, "seconds",
+                                              f->seconds, "what", f->check->rule->what, "mend", mend(f)));
     }
     for (int v = V_PASS; v <= V_TIMEOUT; v++)
         (void)json_object_set_new(counts, v_verdict_name((v_verdict)v),
@@ -141,7 +148,7 @@ static void print_case(FILE *out, const v_finding *f) {
         if (v_is_bad(f->verdict)) {
             print_xml(out, f->check->rule->what);
             (void)fprintf(out, "\n");
-            print_xml(out, f->check->rule->mend);
+            print_xml(out, mend(f));
         }
         (void)fprintf(out, "</%s>", element);
     }

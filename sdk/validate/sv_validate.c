@@ -27,6 +27,8 @@
 /* Less than a machine has, more than a compiler needs. */
 #define MEMORY_BYTES (1536ull << 20)
 #define PATIENCE     5.0
+/* Of that time for a check, what a call of a frame may take once frames are known to come. */
+#define FRAME_SHARE (1.0 / 6.0)
 
 /* The text of a finding quotes the plugin: a terminal must not obey it. */
 static void keep_text(v_finding *out, const char *format, const char *first, const char *second) {
@@ -77,16 +79,30 @@ static job *map_job(intptr_t shared) {
 
 /* ---- in the validator */
 static void report_accident(const hs_child_end *end, const v_report *report, v_finding *out) {
-    char how[100], where[sizeof report->where + sizeof report->line + 32];
+    char how[100], where[sizeof report->where + sizeof report->values + sizeof report->line + 64];
     const int line = (int)strnlen(report->line, sizeof report->line);
+    const int values = (int)strnlen(report->values, sizeof report->values);
     hs_child_tell(end, how, sizeof how);
-    (void)snprintf(where, sizeof where, "%.*s%s%.*s%s", (int)sizeof report->where,
+    (void)snprintf(where, sizeof where, "%.*s%s%.*s%s%.*s%s", (int)sizeof report->where,
                    report->where[0] ? report->where : "the check itself",
+                   values ? "; values of the frame: " : "", values, report->values,
                    line ? "; last line of its log: \"" : "", line, report->line, line ? "\"" : "");
     out->verdict = end->fate == HS_CHILD_LATE ? V_TIMEOUT : V_CRASH;
     /* Whose code died: a check names each call of the plugin before it makes it. */
     keep_text(out, report->where[0] ? "%s; under way: %s" : "%s; sv_validate's own, under way: %s", how,
               where);
+}
+
+/* A call of a frame that is under way, in what it may take and has taken longer. */
+typedef struct {
+    const v_report *report;
+    double allowed;
+} frame_watch;
+
+static double is_late(const void *watch) {
+    const frame_watch *w = watch;
+    const uint64_t since_ns = atomic_load(&w->report->since_ns);
+    return since_ns > 0 && hs_now() - (double)since_ns * 1e-9 > w->allowed ? w->allowed : 0.0;
 }
 
 static bool run_in_child(const v_options *options, intptr_t shared, const job *j, v_finding *out,
@@ -96,7 +112,9 @@ static bool run_in_child(const v_options *options, intptr_t shared, const job *j
     const bool late = out->check->needs && strcmp(out->check->needs, "first-frame") == 0;
     hs_child child;
     if (!hs_child_again(&child, &limits, &shared, 1, err)) return false;
-    hs_child_wait_end(&child, options->timeout_s * (late ? PATIENCE : 1.0));
+    const frame_watch watch = {&j->report, options->timeout_s * FRAME_SHARE};
+    hs_child_wait_watched(&child, options->timeout_s * (late ? PATIENCE : 1.0), late ? is_late : NULL,
+                          &watch);
     if (!j->report.finished) report_accident(&child.end, &j->report, out);
     hs_child_close(&child);
     return true;
@@ -224,7 +242,8 @@ static const hs_option options[] = {
     HS_TAKEN("seed", "N", 0, take_seed, "of everything random; the same seed tries the same [0]"),
     HS_IN(COUNT, "level", "N", AT(run.level), 1, 10, "1 .. 10: how much is tried [5]"),
     HS_IN(NUMBER, "timeout", "S", AT(run.timeout_s), 0.1, 86400,
-          "seconds for a check up to first-frame, a later one has five times as many [60]"),
+          "seconds for a check up to first-frame; a later one has five times as many, and a sixth for a call "
+          "of a frame [60]"),
     HS_FLAG("json", AT(json), "one JSON object instead of lines"),
     HS_TEXT("junit", "FILE", AT(junit), "everything as JUnit's XML, too, for CI systems"),
     HS_FLAG("verbose", AT(run.verbose), "what the plugin logs and prints goes to standard error"),

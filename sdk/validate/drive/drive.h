@@ -10,6 +10,7 @@
 #include <CL/cl.h>
 #include <pthread.h>
 #include <setjmp.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -31,11 +32,13 @@ typedef enum {
 typedef struct {
     v_verdict verdict;
     bool finished;
-    bool on_device;  /* the check has opened the OpenCL device */
-    bool no_device;  /* it needed one, and there is none: says nothing about the plugin */
-    char text[700];  /* what was found; "" if there is nothing to say */
-    char where[200]; /* the call that is under way */
-    char line[200];  /* the last that the plugin has logged */
+    bool on_device;            /* the check has opened the OpenCL device */
+    bool no_device;            /* it needed one, and there is none: says nothing about the plugin */
+    char text[700];            /* what was found; "" if there is nothing to say */
+    char where[200];           /* the call that is under way */
+    char values[400];          /* of the frame that it belongs to: "q = 0.5, level = 0"; "" for no frame */
+    _Atomic uint64_t since_ns; /* when it began, if it belongs to a frame; else 0 */
+    char line[200];            /* the last that the plugin has logged */
 } v_report;
 
 typedef struct v_watch v_watch;
@@ -48,10 +51,11 @@ typedef struct {
     uint32_t level; /* 1 .. 10: how much is tried */
     bool verbose;   /* what the plugin logs goes to standard error */
     v_report *report;
-    v_watch *watch;  /* what is looked at around every call; NULL: nothing */
-    uint64_t random; /* state of v_random */
-    jmp_buf escape;  /* where v_fail and v_skip go */
-    v_rig *rig;      /* that the check has open; NULL: none */
+    v_watch *watch;                /* what is looked at around every call; NULL: nothing */
+    uint64_t random;               /* state of v_random */
+    jmp_buf escape;                /* where v_fail and v_skip go */
+    v_rig *rig;                    /* that the check has open; NULL: none */
+    const struct v_params *params; /* that have been read; NULL: none */
 } v_run;
 
 /* Notes the finding and ends the check. */
@@ -78,6 +82,9 @@ void v_note(v_run *run, const char *format, ...) __attribute__((format(printf, 2
 
 /* The call that comes next: what a crash or a hang is told with. */
 void v_where(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The same for a call of a frame, which must come back soon; its values are in report->values. */
+void v_where_frame(v_run *run, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* The process as it is now, for run->watch: v_where then looks first whether it still is, and the check fails
  * with the call before. NULL: no memory for a file. One at a time. */
@@ -140,7 +147,7 @@ const char *v_status(sv_status status);
 
 #define V_MAX_PARAMS 256u
 
-typedef struct {
+typedef struct v_params {
     uint32_t count;
     sv_param_info info[V_MAX_PARAMS];
 } v_params;

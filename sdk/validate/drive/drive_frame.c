@@ -59,36 +59,69 @@ void v_deactivate(v_subject *s, const sv_plugin *p) {
     p->deactivate(p);
 }
 
+static void add_values(v_run *run, const sv_param_value *values, uint32_t count) {
+    v_report *report = run->report;
+    const v_params *known = run->params;
+    size_t used = strlen(report->values);
+    for (uint32_t i = 0; values && i < count && used < sizeof report->values; i++) {
+        char id[24];
+        const char *key = id;
+        (void)snprintf(id, sizeof id, "parameter %u", values[i].id);
+        for (uint32_t n = 0; known && n < known->count; n++)
+            if (known->info[n].id == values[i].id) key = known->info[n].key;
+        used += (size_t)snprintf(report->values + used, sizeof report->values - used, "%s%.60s = %g",
+                                 used ? ", " : "", key, values[i].value);
+    }
+}
+
+/* The frame's values, for a call that does not come back. */
+static void tell_values(const stage *st, const sv_param_value *values, uint32_t count) {
+    v_run *run = run_of(st);
+    run->report->values[0] = '\0';
+    add_values(run, st->way.fixed, st->way.fixed_count);
+    add_values(run, values, count);
+}
+
+/* The call is over: what comes next is the check's own. */
+static sv_status came_back(const stage *st, sv_status status) {
+    atomic_store(&run_of(st)->report->since_ns, 0);
+    return status;
+}
+
 sv_status v_begin(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count) {
     const sv_frame frame = stage_frame(st, values, count);
-    v_where(run_of(st), "begin");
-    return p->begin(p, &frame);
+    tell_values(st, values, count);
+    v_where_frame(run_of(st), "begin");
+    return came_back(st, p->begin(p, &frame));
 }
 
 sv_status v_slab(const sv_plugin *p, stage *st, uint32_t n) {
     const sv_slab slab = stage_slab(st, n);
-    v_where(run_of(st), "slab (slices %u to %u)", slab.first_slice, slab.first_slice + slab.slice_count - 1);
-    return p->slab(p, &slab);
+    v_where_frame(run_of(st), "slab (slices %u to %u)", slab.first_slice,
+                  slab.first_slice + slab.slice_count - 1);
+    return came_back(st, p->slab(p, &slab));
 }
 
 sv_status v_end(const sv_plugin *p, stage *st) {
     const sv_result result = stage_result(st);
     stage_poison(st, STAGE_POISON);
-    v_where(run_of(st), "end");
-    return p->end(p, &result);
+    v_where_frame(run_of(st), "end");
+    return came_back(st, p->end(p, &result));
 }
 
 sv_status v_adjust(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count) {
     const sv_result result = stage_result(st);
     stage_poison(st, STAGE_POISON);
-    v_where(run_of(st), "adjust");
-    return p->adjust(p, values, count, &result);
+    tell_values(st, values, count);
+    v_where_frame(run_of(st), "adjust");
+    return came_back(st, p->adjust(p, values, count, &result));
 }
 
 static void finish(stage *st) {
     if (!st->device.queue) return;
-    v_where(run_of(st), "the host's clFinish after end");
+    v_where_frame(run_of(st), "the host's clFinish after end");
     const cl_int code = clFinish(st->device.queue);
+    (void)came_back(st, SV_OK);
     V_EXPECT(run_of(st), code == CL_SUCCESS, "clFinish after end: OpenCL error %d", (int)code);
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* One check under way: what it was asked for, and what it reports. */
+#include "core/progress.h"
 #include "validate/drive/drive.h"
 
 #include <stdarg.h>
@@ -58,16 +59,30 @@ void v_note(v_run *run, const char *format, ...) {
     va_end(args);
 }
 
-void v_where(v_run *run, const char *format, ...) {
-    va_list args;
+static void where(v_run *run, const char *format, va_list args) {
     const char *change = run->watch ? v_watch_change(run->watch) : NULL;
     if (change) {
         run->watch = NULL;
         v_fail(run, "the plugin %s; last call: %s", change, run->report->where);
     }
-    va_start(args, format);
     (void)vsnprintf(run->report->where, sizeof run->report->where, format, args);
+}
+
+void v_where(v_run *run, const char *format, ...) {
+    va_list args;
+    atomic_store(&run->report->since_ns, 0);
+    run->report->values[0] = '\0';
+    va_start(args, format);
+    where(run, format, args);
     va_end(args);
+}
+
+void v_where_frame(v_run *run, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    where(run, format, args);
+    va_end(args);
+    atomic_store(&run->report->since_ns, (uint64_t)(hs_now() * 1e9));
 }
 
 void v_random_begin(v_run *run, const char *name) {

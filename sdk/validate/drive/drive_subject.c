@@ -144,6 +144,7 @@ void v_params_read(v_subject *s, v_params *params) {
         if (s->plugin->param_info(s->plugin, i, &info) != SV_OK || !is_usable(&info)) continue;
         params->info[params->count++] = info;
     }
+    s->run->params = params;
 }
 
 uint32_t v_param_values(const sv_param_info *info) {

@@ -47,6 +47,10 @@ expect 1 '^crash +first-frame .*(SIGSEGV|left by exit.1.); under way: slab' "$bu
 expect 1 '^crash +first-frame .*left by exit\(0\); under way: end' "$build/wrong/exit_in_end.so"
 expect 1 '^crash +first-frame .*aborted; under way: slab' "$build/wrong/abort_in_slab.so"
 expect 1 '^timeout +first-frame .*ran out of time \(6\.0 s\); under way: end' --timeout 6 --junit "$work/hang.xml" "$build/wrong/hang_in_end.so"
+# A frame that does not end costs a sixth of the time for a check, and is told with its values and an advice of its own.
+expect 1 '^timeout +param-fuzz .*ran out of time \(3\.0 s\); under way: end; values of the frame: .*gap = 5[,;]' --timeout 18 \
+    --only param-fuzz "$build/wrong/hang_with_value.so"
+holds grep -q '^      Look for a loop or a wait' "$work/stdout"
 expect 1 '^skip +state-walk .*first-frame did not pass' "$build/wrong/crash_in_slab.so"
 # The device is the one that plugin and host take. Where there is none, that is told, and no run that could try nothing passes.
 blocks=$build/wrong/frame_blocks.so

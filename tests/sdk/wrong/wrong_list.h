@@ -117,6 +117,7 @@
     WRONG(crash_in_slab, life, first-frame, "slab crashes") \
     WRONG(abort_in_slab, life, first-frame, "slab aborts") \
     WRONG(exit_in_end, life, first-frame, "end ends the process with exit code 0") \
+    WRONG(hang_with_value, life, param-fuzz, "end never returns with one value of a parameter") \
     WRONG(hang_in_end, life, first-frame, "end never returns") \
     WRONG(divides_by_zero, life, first-frame, "end divides by zero") \
     WRONG(endless_recursion, life, first-frame, "end calls itself until the stack is full") \
