@@ -107,19 +107,20 @@ static bool draw_slice(hs_console_stage *stage, hs_slice_plane plane, const hs_m
     }
     if (!s.volume) return false;
     uint8_t *rgba = calloc((size_t)size * size, 4);
-    bool *removed = calloc((size_t)size * size, sizeof *removed);
+    uint8_t *state = calloc((size_t)size * size, sizeof *state);
     bool ok =
-        (rgba && removed) || hs_fail(err, HS_ERR_MEMORY, "slice: no memory for %u x %u pixels", size, size);
+        (rgba && state) || hs_fail(err, HS_ERR_MEMORY, "slice: no memory for %u x %u pixels", size, size);
     if (ok) {
-        hs_slice_fill(&s, plane, size, rgba, removed);
+        hs_slice_fill(&s, plane, size, rgba, state);
         ok = from_rgba(rgba, size, out, err);
     }
     free(rgba);
-    free(removed);
+    free(state);
     return ok;
 }
 
-/* The map's depth at a pixel of a picture with `size` of them a side; negative: it lies beside the map. */
+/* The map's depth at a pixel of a picture with `size` of them a side; negative: it lies beside the map, or
+ * nothing was scanned there. */
 static double depth_at(const hs_maps *maps, double share, uint32_t size, uint32_t pixel) {
     const uint32_t column = pixel % size, row = pixel / size;
     const double u = 0.5 + ((column + 0.5) / size - 0.5) * share,
@@ -155,8 +156,12 @@ static bool draw_map(hs_console_stage *stage, hs_console_view view, hs_picture *
     hs_maps maps;
     if (!hs_loop_read_maps(stage->lane[0].loop, stage->index, &stage->lane[0].frame, &maps, err))
         return false;
-    if (view == HS_CONSOLE_DEPTH) hs_maps_crop(&maps, &stage->source);
-    const bool ok = view == HS_CONSOLE_DEPTH
+    const hs_volume *volume = hs_source_bring(&stage->source, stage->index, err);
+    if (volume && view == HS_CONSOLE_DEPTH) {
+        hs_maps_crop(&maps, &stage->source);
+        hs_maps_scan(&maps, volume);
+    }
+    const bool ok = volume && view == HS_CONSOLE_DEPTH
                         ? draw_depthmap(stage, &maps, out, err)
                         : draw_slice(stage, (hs_slice_plane)(view - HS_CONSOLE_ACROSS), &maps, out, err);
     hs_maps_free(&maps);

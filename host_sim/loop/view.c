@@ -67,6 +67,32 @@ void hs_maps_crop(hs_maps *maps, const hs_source *source) {
     }
 }
 
+/* The slice of the first voxel on a ray that was scanned; as many as there are: none was. */
+static uint32_t first_scanned(const hs_maps *maps, const hs_volume *volume, const hs_box_map *map,
+                              uint32_t ray) {
+    double place[3] = {(ray % maps->width + 0.5) / maps->width, (ray / maps->width + 0.5) / maps->height};
+    uint32_t at[3], slice = 0;
+    for (; slice < maps->slices; slice++) {
+        place[2] = (slice + 0.5) / maps->slices;
+        if (hs_box_map_voxel(map, volume, place, at) &&
+            volume->voxels[((size_t)at[2] * volume->ny + at[1]) * volume->nx + at[0]] > 0)
+            break;
+    }
+    return slice;
+}
+
+void hs_maps_scan(hs_maps *maps, const hs_volume *volume) {
+    hs_box_map map;
+    hs_camera_box_map(&maps->camera, volume, &map);
+    for (uint32_t i = 0; i < maps->width * maps->height; i++) {
+        const uint32_t first = first_scanned(maps, volume, &map, i);
+        if (first == maps->slices)
+            maps->depth[i] = -1.0f;
+        else if (maps->depth[i] < (float)first)
+            maps->depth[i] = 0.0f;
+    }
+}
+
 bool hs_loop_pick(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_frame *frame, hs_camera *window,
                   uint32_t *steps, float *ends, hs_error *err) {
     hs_start_depths depths;

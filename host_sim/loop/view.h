@@ -29,6 +29,10 @@ bool hs_loop_read_maps(hs_loop *loop, uint32_t index, const hs_frame *frame, hs_
 /* Takes the depths of rays that pass beside the source's box: there is nothing to remove. */
 void hs_maps_crop(hs_maps *maps, const hs_source *source);
 
+/* Takes the depths of rays before which nothing of the volume was scanned: 0, there is nothing to remove, or
+ * -1, the ray meets nothing at all. */
+void hs_maps_scan(hs_maps *maps, const hs_volume *volume);
+
 /* Where the rays of a picture end that `screen` draws of frame `index`, from where those of `frame` start
  * (NULL: the full volume): its settings say at which opacity. As many values as it has pixels, in steps, of
  * which a ray through the box of `window` has *steps. HS_ERR_DEVICE. */

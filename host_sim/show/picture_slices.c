@@ -71,34 +71,39 @@ static bool is_in_crop(const hs_slice_scene *s, const hs_box_map *m, const doubl
     return in;
 }
 
-/* One pixel; true if it is removed. */
-static bool fill_pixel(const hs_slice_scene *s, const hs_box_map *map, const double box[3], uint8_t *rgba) {
+/* One pixel; what becomes of it. */
+static uint8_t fill_pixel(const hs_slice_scene *s, const hs_box_map *map, const double box[3],
+                          uint8_t *rgba) {
     for (int k = 0; k < 3; k++)
         if (box[k] < 0.0 || box[k] > 1.0) {
             set_pixel(rgba, HS_COLOUR_BACKGROUND);
-            return false;
+            return HS_SLICE_UNSCANNED;
         }
+    const uint8_t voxel = voxel_at(s, map, box);
     const double start = start_at(s, box[0], box[1]);
     const bool removed = box[2] < start;
-    const uint32_t level = (uint32_t)(voxel_at(s, map, box) * (removed ? DIMMED : 1.0));
-    set_pixel(rgba, is_in_band(s, box, start) ? mixed(level, HS_SLICE_BAND, BAND_SHARE) : level * 0x010101u);
-    return removed;
+    const uint32_t level = (uint32_t)(voxel * (removed ? DIMMED : 1.0));
+    const bool unsure = voxel > 0 && is_in_band(s, box, start);
+    set_pixel(rgba, unsure ? mixed(level, HS_SLICE_BAND, BAND_SHARE) : level * 0x010101u);
+    return voxel == 0 ? HS_SLICE_UNSCANNED : removed ? HS_SLICE_REMOVED : HS_SLICE_KEPT;
 }
 
-/* The line runs where a pixel is removed and a neighbour is not; two pixels wide. */
-static void draw_line(uint32_t n, uint8_t *rgba, const bool *removed) {
+/* Where a pixel is removed and a neighbour is kept; two pixels wide, within what was scanned. */
+static void draw_line(uint32_t n, uint8_t *rgba, const uint8_t *state) {
     for (uint32_t j = 1; j + 1 < n; j++)
         for (uint32_t i = 1; i + 1 < n; i++) {
             const size_t at = (size_t)j * n + i;
-            if (!removed[at] || (removed[at - 1] && removed[at + 1] && removed[at - n] && removed[at + n]))
-                continue;
-            for (int k = 0; k < 4; k++)
-                set_pixel(rgba + 4 * (at + (size_t)(k & 1) + (size_t)(k >> 1) * n), HS_SLICE_LINE);
+            const bool edge = state[at - 1] == HS_SLICE_KEPT || state[at + 1] == HS_SLICE_KEPT ||
+                              state[at - n] == HS_SLICE_KEPT || state[at + n] == HS_SLICE_KEPT;
+            for (int k = 0; edge && state[at] == HS_SLICE_REMOVED && k < 4; k++) {
+                const size_t to = at + (size_t)(k & 1) + (size_t)(k >> 1) * n;
+                if (state[to] != HS_SLICE_UNSCANNED) set_pixel(rgba + 4 * to, HS_SLICE_LINE);
+            }
         }
 }
 
 void hs_slice_fill(const hs_slice_scene *scene, hs_slice_plane plane, uint32_t cell, uint8_t *rgba,
-                   bool *removed) {
+                   uint8_t *state) {
     hs_box_map map;
     hs_camera_box_map(&scene->maps->camera, scene->volume, &map);
     for (uint32_t j = 0; j < cell; j++)
@@ -106,9 +111,9 @@ void hs_slice_fill(const hs_slice_scene *scene, hs_slice_plane plane, uint32_t c
             double box[3];
             const size_t at = (size_t)j * cell + i;
             box_of(scene, plane, (i + 0.5) / cell, (j + 0.5) / cell, box);
-            removed[at] = fill_pixel(scene, &map, box, rgba + 4 * at);
+            state[at] = fill_pixel(scene, &map, box, rgba + 4 * at);
         }
-    draw_line(cell, rgba, removed);
+    draw_line(cell, rgba, state);
     if (!scene->crop) return;
     for (uint32_t j = 0; j < cell; j++)
         for (uint32_t i = 0; i < cell; i++) {
@@ -240,24 +245,24 @@ double hs_view_clip_depth(const hs_view *view) {
 static bool draw_slices(const slices *s, hs_picture *out, double top, hs_error *err) {
     const size_t pixels = (size_t)s->cell * s->cell;
     uint8_t *rgba = calloc(pixels, 4);
-    bool *removed = calloc(pixels, sizeof *removed);
+    uint8_t *state = calloc(pixels, sizeof *state);
     const bool ok =
-        (rgba && removed) || hs_fail(err, HS_ERR_MEMORY, "slices: no memory for %zu pixels", pixels);
+        (rgba && state) || hs_fail(err, HS_ERR_MEMORY, "slices: no memory for %zu pixels", pixels);
     for (int p = 0; ok && p < 3; p++) {
         const hs_image image = {.data = rgba, .width = s->cell, .height = s->cell};
         const double x = GAP + s->cell + SCALE + p * (double)(s->cell + SCALE + GAP);
-        hs_slice_fill(&s->scene, (hs_slice_plane)p, s->cell, rgba, removed);
+        hs_slice_fill(&s->scene, (hs_slice_plane)p, s->cell, rgba, state);
         hs_picture_blit(out, (int32_t)x, (int32_t)top, s->cell, s->cell, &image, HS_SCALE_NEAREST);
         hs_canvas *on = hs_draw_begin(out);
         draw_frame_of(s, on, (hs_slice_plane)p, x, top);
         if (!hs_draw_end(on, err)) {
             free(rgba);
-            free(removed);
+            free(state);
             return false;
         }
     }
     free(rgba);
-    free(removed);
+    free(state);
     return ok;
 }
 

@@ -22,10 +22,14 @@ typedef struct {
     const hs_crop *crop; /* what lies outside is as beside the box; NULL: nothing does */
 } hs_slice_scene;
 
-/* Fills `cell` * `cell` RGBA pixels, and `removed`, a flag for each of them. What lies beside the box has
- * HS_COLOUR_BACKGROUND. Any thread. */
+/* What becomes of a pixel. */
+enum { HS_SLICE_UNSCANNED, HS_SLICE_KEPT, HS_SLICE_REMOVED };
+
+/* Fills `cell` * `cell` RGBA pixels, and HS_SLICE_* for each of them. What lies beside the box has
+ * HS_COLOUR_BACKGROUND. The line runs between what is removed and what is kept, and neither it nor the band
+ * is drawn where nothing was scanned. Any thread. */
 void hs_slice_fill(const hs_slice_scene *scene, hs_slice_plane plane, uint32_t cell, uint8_t *rgba,
-                   bool *removed);
+                   uint8_t *state);
 
 /*
  * Four squares side by side, each `cell` pixels wide (0: 512): the result; the slice across (x and depth) and
