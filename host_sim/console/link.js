@@ -7,7 +7,7 @@ const VIEW_NAMES = ["result", "full", "truth", "depthmap", "across", "along", "d
 const REST_MS = 180; /* without a change, and drafts become pictures */
 const LATE_MS = 400; /* without a frame, and the pictures are behind their controls */
 
-const link = { hello: null, socket: null, waiting: false, rest: 0, late: 0, bitmaps: new Map(), retry: 500, chain: Promise.resolve() };
+const link = { hello: null, socket: null, waiting: false, rest: 0, late: 0, less: 0, bitmaps: new Map(), retry: 500, chain: Promise.resolve() };
 
 /* Sends the state before the screen's next picture. `hurried`: a hand is on it, so drafts will do. */
 function changed(hurried) {
@@ -99,6 +99,7 @@ function takeText(text) {
     notice(text.text, false);
     stopCine();
     document.body.dataset.refused = text.text;
+    startWithLess(text.text);
   } else if (text.type === "marked") {
     takeMark(text.mark);
   } else if (text.type === "written") {

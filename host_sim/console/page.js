@@ -4,12 +4,21 @@
 
 const at = (id) => document.getElementById(id);
 
-function notice(text, quiet) {
+/* `stays`: until somebody closes it, or something else goes wrong. */
+function notice(text, quiet, stays) {
   const box = at("notice");
+  if (quiet && box.dataset.stays && !box.hidden) return;
+  if (stays) box.dataset.stays = "yes";
+  else delete box.dataset.stays;
   box.hidden = text === "";
   box.firstElementChild.textContent = text;
   box.dataset.serial = state.serial; /* no frame of an earlier state takes it away */
   box.classList.toggle("quiet", quiet);
+}
+
+function closeNotice() {
+  delete at("notice").dataset.stays;
+  notice("", true);
 }
 
 /* ------------------------------------------------------------------------------------------- source -- */
@@ -196,16 +205,33 @@ function takeHello(hello) {
   plugins = hello.plugins;
   brush.most = hello.marks.most;
   fillSources(hello);
-  if (!document.body.dataset.ready) {
-    readAddress(hello);
-    setRadius(hello.marks.radius);
-  }
+  const left = document.body.dataset.ready ? [] : readAddress(hello, location.hash.slice(1));
+  if (!document.body.dataset.ready) setRadius(hello.marks.radius);
   document.body.dataset.ready = "yes";
   lanes.forEach((lane) => { lane.params = []; });
   at("snapshot-view").replaceChildren(...VIEW_NAMES.map((view) => make("option", { value: view, text: TITLES[view] })));
   showPlaying();
   showSettings();
   changed(false);
+  tellWhatWasLeft(left, ownPresets().left);
+}
+
+function tellWhatWasLeft(ofAddress, presets) {
+  const said = ofAddress.length ? ["The address says what is no setting here: " + ofAddress.join(", ") + "."] : [];
+  if (presets) said.push("What this browser keeps as own presets is of another shape.");
+  if (said.length) notice(said.join(" ") + " It is left out.", false, true);
+}
+
+/* What an address says may fit no volume: then the volume is shown without it, or the first scene. */
+function startWithLess(text) {
+  const bare = { camera: { yaw: 0, pitch: 0, roll: 0, zoom: 1 }, lanes: [{ plugin: 0, values: {} }], marks: [], box: [], render: structuredClone(usualRender) };
+  if (lastFigures || link.less > 1) return;
+  link.less += 1;
+  Object.assign(state, bare, link.less > 1 ? { source: { scene: "D01", size: 128, volumes: 1, from: "probe" } } : {});
+  look.compare = "off";
+  showSettings();
+  changed(false);
+  notice(text, false, true);
 }
 
 /* All controls as the settings are now. */
@@ -224,7 +250,7 @@ function showSettings() {
 
 function onKey(event) {
   const where = event.target;
-  if (event.key === "Escape") notice("", true);
+  if (event.key === "Escape") closeNotice();
   if (event.altKey || where.matches("input[type=number], input[type=text], textarea, select")) return;
   if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
     event.preventDefault();
@@ -274,7 +300,7 @@ function listen() {
   at("write").addEventListener("click", () => send({ type: "do", what: "write" }));
   at("copy").addEventListener("click", () => copyFrom(at("line")));
   at("copy-report").addEventListener("click", () => copyFrom(at("report")));
-  at("notice-away").addEventListener("click", () => notice("", true));
+  at("notice-away").addEventListener("click", closeNotice);
   document.addEventListener("keydown", onKey);
   setInterval(rate, 500);
 }

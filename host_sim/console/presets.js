@@ -22,13 +22,22 @@ function presetValues(lane, preset) {
   return values;
 }
 
-/* By name: the plugin's id and what was set of it. */
+/* Other pages of this machine may write the cookie: only what a preset looks like is one. */
+function isPreset([name, one]) {
+  return name.length > 0 && name.length <= 30 && Array.isArray(one) && one.length === 2 && typeof one[0] === "string" && one[0] !== "" && one[1] !== null &&
+    typeof one[1] === "object" && Object.entries(one[1]).every(([key, value]) => KEY.test(key) && Number.isFinite(value));
+}
+
+/* `own`, by name: the plugin's id and what was set of it. `left`: something there is no preset. */
 function ownPresets() {
   const kept = document.cookie.split("; ").find((one) => one.startsWith(OWN));
+  if (kept === undefined) return { own: {}, left: false };
   try {
-    return JSON.parse(decodeURIComponent(kept.slice(OWN.length)));
+    const all = JSON.parse(decodeURIComponent(kept.slice(OWN.length))), shaped = all !== null && typeof all === "object" && !Array.isArray(all);
+    const found = shaped ? Object.entries(all) : [], own = found.filter(isPreset);
+    return { own: Object.fromEntries(own), left: !shaped || own.length < found.length };
   } catch {
-    return {};
+    return { own: {}, left: true };
   }
 }
 
@@ -61,14 +70,14 @@ function presetBox(lane) {
     box.append(button);
   };
   for (const [text, title, values] of PRESETS) if (presetValues(lane, values)) add(text, title, values, "");
-  for (const [text, [id, values]] of Object.entries(ownPresets())) add(text, "Saved with " + id, values, id);
+  for (const [text, [id, values]] of Object.entries(ownPresets().own)) add(text, "Saved with " + id, values, id);
   const save = make("button", { type: "button", text: "Save", title: "These settings, under this name, in this browser" }), gone = make("button", { type: "button", text: "Delete", title: "The preset of this name" });
   save.addEventListener("click", () => {
-    if (name.value.trim()) keepOwn({ ...ownPresets(), [name.value.trim()]: [plugins[state.lanes[lane].plugin].id, { ...state.lanes[lane].values }] });
+    if (name.value.trim()) keepOwn({ ...ownPresets().own, [name.value.trim()]: [plugins[state.lanes[lane].plugin].id, { ...state.lanes[lane].values }] });
     else name.focus();
   });
   gone.addEventListener("click", () => {
-    const { [name.value.trim()]: _, ...rest } = ownPresets();
+    const { [name.value.trim()]: _, ...rest } = ownPresets().own;
     keepOwn(rest);
   });
   box.append(name, save, gone);

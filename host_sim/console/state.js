@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the page wants to see, as it is sent (docs/console.md), and as it stands behind the # of the address. */
+/* What the page wants to see, as it is sent (docs/console.md), and how it is written behind the # of the address, which address.js reads. */
 "use strict";
 
 const RENDER_KEYS = ["look", "light", "t_low", "t_high", "ghost_width", "ghost_offset", "ghost_doubt", "exposure"];
@@ -36,24 +36,9 @@ function numberIn(text, low, high, usual) {
   return Number.isFinite(value) ? Math.min(high, Math.max(low, value)) : usual;
 }
 
-function wordIn(text, words, usual) {
-  return words.includes(text) ? text : usual;
-}
-
 function laneText(lane) {
   const values = Object.entries(lane.values).map(([key, value]) => key + ":" + short(value));
   return [lane.plugin, ...values].join(",");
-}
-
-function laneFrom(text) {
-  const [plugin, ...values] = text.split(",");
-  const lane = { plugin: numberIn(plugin, 0, 255, 0), values: {} };
-  for (const one of values) {
-    const [key, value] = one.split(":");
-    const number = Number.parseFloat(value);
-    if (/^[a-z0-9_]{1,63}$/.test(key) && Number.isFinite(number)) lane.values[key] = number;
-  }
-  return lane;
 }
 
 /* The renderer's usual settings, as the console told them. */
@@ -94,57 +79,4 @@ function writeAddressNow() {
   if (look.layout !== "quad") at.set("layout", look.layout);
   for (const key of GREY) if (look[key] !== 1) at.set(key, short(look[key]));
   history.replaceState(null, "", location.pathname + location.search + "#" + at.toString());
-}
-
-function readSource(at, hello) {
-  const scene = (at.get("scene") || "").split(",");
-  const file = /^(\d+):(.+)$/.exec(at.get("file") || "");
-  const from = wordIn(at.get("from"), hello.places, "probe");
-  if (file) return { folder: Number(file[1]), path: file[2], from };
-  const name = wordIn(scene[0], hello.scenes.map((s) => s.name), "D01");
-  const size = Math.round(numberIn(scene[1], 32, 256, 128));
-  return { scene: name, size, volumes: Math.round(numberIn(scene[2], 1, 16, 1)), from };
-}
-
-function readRender(at) {
-  const out = { ...usualRender };
-  for (const key of RENDER_KEYS) {
-    const text = at.get(key);
-    if (text === null) continue;
-    if (key === "look") out.look = wordIn(text, ["lit", "thesis"], "lit");
-    else if (key === "light") out.light = [0, 1].map((i) => numberIn(text.split(",")[i], -180, 180, out.light[i]));
-    else out[key] = numberIn(text, -256, 256, out[key]);
-  }
-  return out;
-}
-
-/* The address is read once, when the console has said what there is. */
-function readAddress(hello) {
-  const at = new URLSearchParams(location.hash.slice(1));
-  usualRender = hello.render;
-  state.source = readSource(at, hello);
-  const camera = (at.get("camera") || "").split(",");
-  state.camera = {
-    yaw: numberIn(camera[0], -180, 180, 0),
-    pitch: numberIn(camera[1], -90, 90, 0),
-    zoom: numberIn(camera[2], 0.25, 16, 1),
-    roll: numberIn(camera[3], -180, 180, 0),
-  };
-  state.play.index = Math.round(numberIn(at.get("volume"), 0, 1e6, 0));
-  state.play.on = at.has("play");
-  state.play.speed = numberIn(at.get("play"), 1, 50, 20);
-  const cross = (at.get("cross") || "").split(",");
-  state.cross = [0, 1, 2].map((i) => numberIn(cross[i], 0, 1, 0.5));
-  state.render = readRender(at);
-  state.marks = (at.get("marks") || "").split(";").map((mark) => mark.split(",").map(Number))
-    .filter((mark) => mark.length === 5 && mark.every(Number.isFinite)).slice(0, hello.marks.most);
-  const box = (at.get("box") || "").split(",").map(Number);
-  state.box = box.length === 6 && box.every(Number.isFinite) ? box : [];
-  state.lanes = [laneFrom(at.get("a") || "0")];
-  look.compare = wordIn(at.get("compare"), ["off", "side", "wipe"], "off");
-  if (look.compare !== "off") state.lanes.push(laneFrom(at.get("b") || at.get("a") || "0"));
-  look.third = wordIn(at.get("third"), ["truth", "depthmap"], "truth");
-  look.wipe = Math.round(numberIn(at.get("wipe"), 0, 100, 50));
-  look.layout = wordIn(at.get("layout"), LAYOUTS, "quad");
-  for (const key of GREY) look[key] = numberIn(at.get(key), 0.25, 4, 1);
 }

@@ -158,7 +158,7 @@ def own_presets(b, console):
         b.click(".presets button[title^=Saved]", then="the preset")
         holds(b.run("return state.lanes[0].values") == {"q": 0.4, "unsure": 1}, "the preset is another one")
         b.click(".presets button[title^='The preset']")
-        holds(b.run("return [document.querySelectorAll('.presets button').length, ownPresets()]") == [4, {}], "the preset is not deleted")
+        holds(b.run("return [document.querySelectorAll('.presets button').length, ownPresets().own]") == [4, {}], "the preset is not deleted")
     finally:
         b.open(console.address + "#scene=D01,64,3", then="three volumes")
         other.interrupt()
