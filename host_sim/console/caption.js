@@ -46,8 +46,20 @@ function broken(g, text, width) {
   return lines;
 }
 
-/* The picture as it came, and below it the words and a scale. */
-async function captioned(blob, words) {
+/* What stands at its sides on the page: how the patient lies, and where the probe is. */
+function drawSides(g, view, size, line) {
+  const { ends, probe } = viewOf(view), middle = size / 2;
+  const places = { left: [line, middle], right: [size - line, middle], up: [middle, line], down: [middle, size - line] };
+  Object.assign(g, { font: "600 " + line + "px system-ui, sans-serif", textAlign: "center", textBaseline: "middle", strokeStyle: "#000", lineWidth: line / 5 });
+  for (const [side, [x, y]] of Object.entries(places))
+    for (const draw of ["strokeText", "fillText"]) g[draw](ends[side].textContent, x, y);
+  if (!probe || probe.hidden) return;
+  const [x, y] = places[probe.dataset.side] || [size - 4 * line, size - 4 * line], along = probe.dataset.side === "up" || probe.dataset.side === "down";
+  for (const draw of ["strokeText", "fillText"]) g[draw](probe.textContent.replace("➤", ""), clamp(x + (along ? 3 * line : 0), 2 * line, size - 2 * line), along ? y : y + 1.5 * line);
+}
+
+/* The picture as it came with its sides, and below it the words and a scale. */
+async function captioned(blob, words, view) {
   const image = await createImageBitmap(blob), canvas = make("canvas", { width: image.width, height: image.height });
   const line = Math.max(11, Math.round(image.width * LINE_SHARE)), g = canvas.getContext("2d");
   const font = line * 0.8 + "px system-ui, sans-serif";
@@ -57,6 +69,9 @@ async function captioned(blob, words) {
   g.fillRect(0, 0, canvas.width, canvas.height);
   g.drawImage(image, 0, 0);
   g.fillStyle = "#fff";
+  g.save();
+  drawSides(g, view, image.width, line);
+  g.restore();
   g.font = font; /* a canvas that grows forgets it */
   lines.forEach((text, i) => g.fillText(text, line / 2, image.height + line * (i + 2.75)));
   drawScale(g, image.width, image.height + line * 1.25, line);

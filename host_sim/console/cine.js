@@ -55,7 +55,7 @@ async function nextPicture(words) {
   askForPicture();
   const picture = await new Promise((done) => { cine.take = done; });
   cine.take = null;
-  return picture && at("with-caption").checked ? captioned(picture, words) : picture;
+  return picture && at("with-caption").checked ? captioned(picture, words, at("snapshot-view").value) : picture;
 }
 
 async function recordCine() {

@@ -167,6 +167,14 @@ function buildRenderer() {
 
 /* ---------------------------------------------------------------------------------------- take away -- */
 
+/* The pictures that there are. */
+function offerPictures() {
+  const select = at("snapshot-view"), before = select.value;
+  const there = VIEW_NAMES.filter((view) => (view !== "truth" || hasTruth) && (view !== "other" || look.compare !== "off"));
+  select.replaceChildren(...there.map((view) => make("option", { value: view, text: TITLES[view] })));
+  if (there.includes(before)) select.value = before;
+}
+
 let asked = null; /* the state in which a picture was asked for: a hand may have gone on since */
 
 function askForPicture() {
@@ -175,7 +183,7 @@ function askForPicture() {
 }
 
 async function savePicture(view, picture) {
-  save(at("with-caption").checked ? await captioned(picture, wordsOf(view, asked)) : picture, view);
+  save(at("with-caption").checked ? await captioned(picture, wordsOf(view, asked), view) : picture, view);
 }
 
 function save(blob, what) {
@@ -209,7 +217,6 @@ function takeHello(hello) {
   if (!document.body.dataset.ready) setRadius(hello.marks.radius);
   document.body.dataset.ready = "yes";
   lanes.forEach((lane) => { lane.params = []; });
-  at("snapshot-view").replaceChildren(...VIEW_NAMES.map((view) => make("option", { value: view, text: TITLES[view] })));
   showPlaying();
   showSettings();
   changed(false);

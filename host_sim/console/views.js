@@ -368,6 +368,7 @@ function layOut() {
   if (look.compare === "wipe") addWipe(other.canvas);
   at("wipe-bar").hidden = look.compare !== "wipe";
   at("grey-bar").hidden = !showsSlices();
+  offerPictures();
   placeCross();
 }
 

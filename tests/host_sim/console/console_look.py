@@ -95,7 +95,7 @@ def snapshot(b, work):
     path = os.path.join(work, b.run("return 'smartvis_' + lastFigures.of.source.scene + '_result.png'"))
     if os.path.exists(path):
         os.remove(path)
-    b.run("at('snapshot-view').value = 'result'; delete document.body.dataset.snapshot")
+    b.run("at('snapshot-view').value = 'result'; at('with-caption').checked = false; delete document.body.dataset.snapshot")
     b.click("#snapshot")
     size = b.wait_for("document.body.dataset.snapshot", "the snapshot")
     until(lambda: os.path.exists(path) and os.path.getsize(path) == int(size), PATIENCE, "the snapshot's file")

@@ -124,6 +124,40 @@ def a_captioned_picture(b, work):
     holds((width, picture) == (wide, upper) and high > height + 60 and whole != upper, f"captions: {found}")
 
 
+# So many pixels near the four sides of a picture that saving it with a caption turns white.
+SIDES = """
+    const { canvas } = canvases[arguments[0]], bits = (c) => {
+        const g = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
+        g.drawImage(c, 0, 0);
+        return g.getImageData(0, 0, canvas.width, canvas.height).data;
+    };
+    return new Promise((done) => canvas.toBlob(done)).then((blob) => captioned(blob, ['words'], arguments[0])).then((blob) => createImageBitmap(blob)).then((image) => {
+        const line = image.width / 16, half = image.width / 2;
+        const [a, b] = [bits(canvas), bits(image)], middles = [[line / 2, half], [image.width - line / 2, half], [half, line / 2], [half, image.width - line / 2]];
+        return middles.map(([x, y]) => {
+            let count = 0;
+            for (let i = 0; i < a.length; i += 4) {
+                const u = (i / 4) % image.width, v = Math.floor(i / 4 / image.width);
+                if (Math.abs(u - x) < line / 2 && Math.abs(v - y) < line / 2) count += b[i] + b[i + 1] + b[i + 2] > 740 && a[i] + a[i + 1] + a[i + 2] < 600;
+            }
+            return count;
+        });
+    });"""
+
+
+def saved_pictures_say_how_they_lie(b):
+    """With what is ticked from the start: letters where the file says how the patient lies, else none; and only pictures that there are."""
+    holds(b.run("return at('with-caption').checked"), "a picture is saved without its caption")
+    offered = b.run("return [...at('snapshot-view').options].map((o) => o.value)")
+    holds("truth" not in offered and "other" not in offered and "result" in offered, f"offered are {offered}")
+    holds(b.run(SIDES, "result") == [0] * 4, "letters that the file does not say")
+    choose(b, "source", "file 0 lying.mha", then="a file that says how the patient lies")
+    for view in ("result", "across"):
+        found = b.run(SIDES, view)
+        holds(all(10 < count < 400 for count in found), f"the letters of {view} have {found} pixels")
+    choose(b, "source", "file 0 D01_full.mha", then="the other file")
+
+
 def one_volume_stands_still(b):
     b.run("document.activeElement.blur()")
     for key in " f":
@@ -233,6 +267,7 @@ def main():
             planes_lie_in_the_patient(b)
             distances(b)
             several_distances_are_kept(b)
+            saved_pictures_say_how_they_lie(b)
             a_captioned_picture(b, work)
             one_volume_stands_still(b)
             presets(b)
