@@ -40,7 +40,7 @@
     CONSTANT(one_side, 0.3) /* weight of the general probability if it is reached from one side only */ \
     CONSTANT(skin_mm, 5.5) /* it tells nothing of the run that it begins; bone lies that far behind it */ \
     /* Distance to the fluid that costs 1. Darkness at the start of a ray's scan that is at most so deep is no
-     * fluid, if at least half of the rays begin with that. */ \
+     * fluid, if at least a fifth of the rays begin with that. */ \
     CONSTANT(tau_mm, 7.0) \
     /* The costs of cutting the fetus and of leaving an occluder. Another fluid than the first costs 1 where
      * no fetus is seen. The sum of all is at most 31, or the sums of the Gaussian leave 24 bits. */ \

@@ -20,9 +20,10 @@
 #define SV_WALL_SPAN            12    /* voxels that a side of a block touches, at most */
 #define SV_WALL_SPAN_ONE        16    /* sum of their weights: the rows of a layer sum up to 16 bits */
 #define SV_WALL_KERNEL          64    /* taps to either side of the lateral Gaussian, at most */
-#define SV_WALL_KERNEL_ONE      64  /* sum of these taps: two passes without rounding are exact in float32 */
-#define SV_WALL_AXIAL_SUM       6   /* weights 1, 4, 1 along a ray smooth layers of one slice */
-#define SV_WALL_MAJORITY        3   /* so many of a cell's four rays make it tissue, or wall */
+#define SV_WALL_KERNEL_ONE      64 /* sum of these taps: two passes without rounding are exact in float32 */
+#define SV_WALL_AXIAL_SUM       6  /* weights 1, 4, 1 along a ray smooth layers of one slice */
+#define SV_WALL_MAJORITY        3  /* so many of a cell's four rays make it tissue, or wall */
+#define SV_WALL_NEAR_FIELD      5 /* one ray of so many must begin with a few dark layers: they are no fluid */
 #define SV_WALL_MAX_NEIGHBOUR   64  /* rays or cells to a neighbour, at most */
 #define SV_WALL_MAX_WINDOW      7   /* cells to either side that tell what is bright, at most: the sums and */
 #define SV_WALL_MAX_LAYERS      8   /* counts of a window's layer have 22 and 10 bits, all sums have 24 */

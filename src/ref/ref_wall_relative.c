@@ -108,7 +108,7 @@ void sv_wall_skip_near_field(const sv_wall_layout *l, sv_wall_blocks *b) {
     const size_t plane = (size_t)l->columns * l->rows;
     uint64_t dark = 0;
     for (size_t ray = 0; ray < plane; ray++) dark += dark_front(l, b, ray) > 0;
-    if (2 * dark < b->rays) return;
+    if (SV_WALL_NEAR_FIELD * dark < b->rays) return;
     for (size_t ray = 0; ray < plane; ray++)
         b->first[ray] = (uint16_t)(b->first[ray] + dark_front(l, b, ray));
 }
