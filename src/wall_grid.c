@@ -21,8 +21,10 @@ sv_wall_layout sv_wall_grid_layout(const sv_wall_settings *s) {
     const uint32_t across = even(SV_WALL_GRID_MM / s->beam_mm);
     sv_wall_settings along = *s;
     along.seen_share = s->beam_seen_share;
-    return sv_wall_layout_of_grid(across, across, even(SV_WALL_GRID_MM / s->block_mm), s->beam_mm,
-                                  s->block_mm, &along);
+    sv_wall_layout l = sv_wall_layout_of_grid(across, across, even(SV_WALL_GRID_MM / s->block_mm), s->beam_mm,
+                                              s->block_mm, &along);
+    l.dim_front = 1; /* what is badly lit before the probe's face is wall all the same */
+    return l;
 }
 
 /* A fan, in millimetres along the volume's axes. */

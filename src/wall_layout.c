@@ -127,6 +127,7 @@ static void take_settings(sv_wall_layout *l, const double ray_mm[2], double laye
     const double blocks = 4.0 * (2 * l->window[0] + 1) * (2 * l->window[1] + 1) * (2 * l->window[2] + 1);
     l->bright_blocks = (unsigned)fmax(rounded(s->bright_share * blocks), 1.0);
     l->near_field = voxels(s->tau_mm, layer_mm, 0);
+    l->dim_front = SV_WALL_ALL_DIM;
     l->skin = voxels(s->skin_mm, layer_mm, 0);
     l->full_distance = at_most((uint32_t)ceil(s->tau_mm / layer_mm), SV_WALL_MAX_DISTANCE);
     l->rate = rounded(ldexp(SV_WALL_COST_ONE, SV_WALL_RATE_BITS) * fmin(layer_mm / s->tau_mm, 1.0));

@@ -40,7 +40,7 @@ __kernel void wall_items_median(sv_wall_layout l, __global const uint *restrict 
 }
 
 /* Adds the blocks of a ray that are as dark as `fluid` to `gaps`: all of them, and those in the fluid of
- * layer `at`, if tissue lies on both of its sides; dim tissue in front of it does not count. */
+ * layer `at`, if tissue lies on both of its sides; a thin dim front of it does not count. */
 static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *relative,
                      uint first, uint end, uint fluid, uint at, __local uint *gaps) {
     const size_t pitch = level_pitch_of(l);
@@ -54,7 +54,7 @@ static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __gl
         open += (1 - tissue) & (uint)(z == first);
         in_fluid = (1 - tissue) * (in_fluid + dark);
         holds = (1 - tissue) & (holds | (uint)(z == at));
-        behind_tissue |= (uint)(related > SV_WALL_DIM_TISSUE);
+        behind_tissue |= tissue & ((uint)(related > SV_WALL_DIM_TISSUE) | (uint)(z - first >= l->dim_front));
     }
     atomic_add(gaps, all);
     atomic_add(gaps + 1, in_gaps);

@@ -35,7 +35,8 @@
 #define SV_WALL_MAX_ITERATIONS 64  /* of the search for the split; it ended after 12 at most */
 #define SV_WALL_TISSUE         128 /* tissue is brighter, relative to the threshold around it; and it is at */
 #define SV_WALL_DIM_TISSUE     129 /* least that: what a dim block at the start of a scan becomes */
-#define SV_WALL_BRIGHT_ONE     4   /* units of the brightness around a block */
+#define SV_WALL_ALL_DIM        32767 /* of sv_wall_layout.dim_front: more layers than a ray has */
+#define SV_WALL_BRIGHT_ONE     4     /* units of the brightness around a block */
 #define SV_WALL_GAINS          (256 * SV_WALL_BRIGHT_ONE) /* a gain for each of these brightnesses, */
 #define SV_WALL_GAIN_BITS      8                          /* with this fraction */
 #define SV_WALL_LEVEL_ONE      256 /* units of a grey level; the wall's brightness lies between two */
@@ -129,6 +130,7 @@ typedef struct {
     unsigned int darkness;       /* certainty that it is fluid, per level below the threshold */
     unsigned int near_field;     /* layers, */
     unsigned int skin;           /* and these, too */
+    unsigned int dim_front;      /* layers of a dim front that are no wall before a gap */
     unsigned int full_distance;  /* layers: from this distance to the fluid on the cost is full */
     unsigned int rate;           /* cost per layer of distance, with SV_WALL_RATE_BITS of fraction */
     unsigned int median_step[2]; /* rays between the samples of the median */

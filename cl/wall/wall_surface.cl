@@ -55,7 +55,7 @@ __kernel void wall_median(sv_wall_layout l, __global const uint *restrict info,
 }
 
 /* Adds the blocks of LANES rays that are as dark as `fluid` to `gaps`: all of them, and those in the gap of
- * their ray. That is the fluid of layer `at`, if tissue lies on both of its sides; dim tissue in front of it
+ * their ray. That is the fluid of layer `at`, if tissue lies on both of its sides; a thin dim front of it
  * does not count. `in`: the layers in which any of them was scanned. */
 static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __global const uchar *relative,
                      i16l first, i16l end, extent_t in, uint fluid, i16l at, ulong gaps[3]) {
@@ -75,7 +75,7 @@ static void add_gaps(const sv_wall_layout *l, __global const uchar *levels, __gl
         open += AS_U16((first == here) & scanned & ~tissue) & (u16l)(1);
         in_fluid = (in_fluid + dark) & AS_U16(~tissue);
         holds = (holds | ((at == here) & scanned)) & ~tissue;
-        behind_tissue |= more_than_dim;
+        behind_tissue |= more_than_dim | (tissue & (here - first >= (i16l)((short)l->dim_front)));
     }
     const ushort *counts[3] = {(const ushort *)&all, (const ushort *)&in_gaps, (const ushort *)&open};
     for (uint k = 0; k < 3; k++)

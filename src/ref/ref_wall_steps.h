@@ -150,8 +150,8 @@ void sv_wall_costs_destroy(sv_wall_costs *costs);
 /* ---- from the costs to the maps (ref_wall_surface.c) */
 
 /* Counts blocks as dark as fluid: all, and those in the gap of their ray. The gap is the fluid that the
- * surface lies in, or before which it lies in tissue, if tissue lies on both of its sides. Dim tissue in
- * front of it does not count. */
+ * surface lies in, or before which it lies in tissue, if tissue lies on both of its sides. Of dim tissue in
+ * front of it the first layout->dim_front layers do not count. */
 typedef struct {
     uint64_t dark, in_gaps;
     uint64_t rays, open; /* scanned rays, and those whose scan begins in the fluid */

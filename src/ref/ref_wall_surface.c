@@ -272,7 +272,8 @@ static void count_gap(const sv_wall_scan *s, uint32_t fluid, size_t ray, float p
             if (holds && behind_tissue) gaps->in_gaps += fluid_dark;
             fluid_dark = 0;
             holds = false;
-            behind_tissue = behind_tissue || s->blocks->relative[z * plane + ray] > SV_WALL_DIM_TISSUE;
+            behind_tissue = behind_tissue || z - start >= s->layout->dim_front ||
+                            s->blocks->relative[z * plane + ray] > SV_WALL_DIM_TISSUE;
         } else {
             fluid_dark += dark;
             holds = holds || z == at;

@@ -67,13 +67,13 @@ static void test_bright_fluid_is_less_sure(void **state) {
 enum { LAYERS = N / 2 };
 
 /* Runs a scan whose rays have these levels, layer by layer; in columns `from` .. N - 1 the first `dark`
- * layers are fluid. */
+ * layers are fluid. It tells s->beams. */
 static void run_layers(scan *s, const uint8_t levels[LAYERS], uint32_t from, uint32_t dark,
                        const sv_wall_settings *settings) {
     for (uint32_t z = 0; z < N; z++)
         for (uint32_t i = 0; i < PIXELS; i++)
             s->voxels[(size_t)z * PIXELS + i] = i % N >= from && z / 2 < dark ? FLUID : levels[z / 2];
-    const sv_wall_volume v = {s->voxels, N, N, N, s->first, s->end, {MM, MM, 1.0}, NULL};
+    const sv_wall_volume v = {s->voxels, N, N, N, s->first, s->end, {MM, MM, 1.0}, s->beams};
     assert_true(sv_wall_surface(&v, settings, s->depth, s->confidence, &s->outcome, &s->facts));
 }
 
@@ -247,6 +247,26 @@ static void test_dim_front_is_no_wall(void **state) {
     assert_int_equal(s.facts.wall_rays, 0);
 }
 
+/* Along the beams it is the wall under a badly lit probe, if it is more than a block deep. */
+static void test_dim_front_is_wall_along_the_beams(void **state) {
+    const sv_beams straight = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const uint8_t dim = (uint8_t)(0.5 * threshold_at(MUSCLE));
+    scan s = scan_make(N, N, N);
+    s.beams = &straight;
+    run_gap(&s, 8, 2, dim, false);
+    assert_int_equal(s.outcome, SV_WALL_SURFACE);
+    assert_true(s.facts.gap_share > 0.7);
+    for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] > 7.0f && s.depth[i] <= 24.0f);
+    uint8_t levels[LAYERS];
+    uint32_t at = 0;
+    put(levels, &at, 1, dim);
+    put(levels, &at, 8, FLUID);
+    put(levels, &at, 3, BONE);
+    put(levels, &at, LAYERS, MUSCLE);
+    run_layers(&s, levels, N, 0, NULL);
+    assert_true(s.facts.gap_share < 0.1);
+}
+
 /* The darkest fifth of all blocks is as dark as fluid: of 32 layers, the seven of the gap that hold it, and
  * not the three in the fetus that are a little brighter. */
 static void test_darkest_fifth(void **state) {
@@ -267,4 +287,5 @@ static void test_darkest_fifth(void **state) {
 UNIT_MAIN(NULL, NULL, test_confidence_of_a_doubtful_ray, test_confidence_of_a_cost,
           test_bright_fluid_is_less_sure, test_near_field_is_no_fluid, test_near_field_is_broad,
           test_skin_tells_nothing, test_surface_lies_in_what_is_dark, test_clear_fluid_needs_no_bright_fetus,
-          test_dim_front_is_no_wall, test_darkest_fifth, test_last_outcome_is_kept)
+          test_dim_front_is_no_wall, test_dim_front_is_wall_along_the_beams, test_darkest_fifth,
+          test_last_outcome_is_kept)
