@@ -6,11 +6,12 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Sequence
-from html import escape
+from html import escape as _escaped
 from pathlib import Path
 from urllib.parse import quote
 
 from ._files import whole
+from ._text import plain
 from ._work import Row
 
 _HEAD = """<!doctype html>
@@ -37,6 +38,11 @@ _ABOUT = """<a href="table.csv">The table</a> has all figures. Three pictures of
 every ray; what is left, shaded by its first tissue; a cut from the side, in which what was clipped is dark and the
 surface orange."""
 _OUTCOMES = {"OK": "clipped", "PARTIAL": "clipped, but for some rays", "NO_SURFACE": "nothing was clipped"}
+
+
+def escape(text: str) -> str:
+    """For HTML."""
+    return _escaped(plain(text))
 
 
 def write_page(path: Path, rows: Sequence[tuple[Row, Path]]) -> Path:

@@ -14,6 +14,7 @@ from typing import Any
 
 from . import _abi, _places, _runtime
 from ._errors import LoadError, PluginError
+from ._text import plain
 from ._version import __version__
 
 log = logging.getLogger("smartvis.plugin")
@@ -36,7 +37,7 @@ _said = threading.local()  # `error`: the last that a plugin has logged as such,
 def _on_log(_host: object, severity: int, text: bytes) -> None:
     if severity >= _abi.SV_LOG_ERROR:
         _said.error = _text(text)
-    log.log(_LEVELS.get(severity, logging.ERROR), "%s", _text(text))
+    log.log(_LEVELS.get(severity, logging.ERROR), "%s", plain(_text(text)))
 
 
 # What the package offers to plugins: the same for all instances, and alive as long as the process.

@@ -21,6 +21,7 @@ import numpy as np
 
 from . import _dicom, _geometry, _host, _images, _kretz
 from ._errors import FileError, HostError
+from ._text import plain
 from ._volume import checked_spacing
 
 _HEADER = 1 << 24  # bytes of a header's text at most, as in the host
@@ -359,7 +360,7 @@ def _libtiff(said: list[str]) -> Iterator[None]:
             file.seek(0)
             for line in file.read(_HEADER).decode("utf-8", "replace").splitlines():
                 if not re.match(r"\w+: ", line):
-                    print(line, file=sys.stderr)  # not libtiff's
+                    print(plain(line), file=sys.stderr)  # not libtiff's
                 elif "Warning" not in line or "IO error" in line:
                     said.append(line)
 

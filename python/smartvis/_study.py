@@ -26,6 +26,7 @@ from ._errors import FileError, HostError, extra_module
 from ._files import PARTS, Source, stem, whole
 from ._files import SUFFIXES as SUFFIXES
 from ._page import write_page
+from ._text import plain
 from ._work import COLUMNS, Row, Settings, clip_one
 
 ROWS = "rows"  #: folder of the rows beside the results
@@ -300,9 +301,9 @@ def write_table(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
     """The rows as CSV."""
 
     def write(part: Path) -> None:
-        with open(part, "w", newline="", encoding="utf-8", errors="backslashreplace") as file:
+        with open(part, "w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             writer.writeheader()
-            writer.writerows(rows)
+            writer.writerows({k: plain(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
 
     return whole(path, write)

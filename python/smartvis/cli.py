@@ -23,6 +23,7 @@ from ._files import Source, stem
 from ._plugin import Parameter, load
 from ._products import PRODUCTS
 from ._seen import SIDES
+from ._text import plain
 from ._view import PLACES
 from ._work import Row, Settings, clip_one, name_of
 
@@ -173,7 +174,7 @@ def command_clip(args: argparse.Namespace) -> int:
             try:
                 source = Source(path, mirror=settings.mirror, spacing=settings.spacing)
             except FileError as error:  # takes only itself
-                print(f"smartvis: {error}", file=sys.stderr)
+                tell(error)
                 code = code or INPUT
                 continue
             for frame in range(source.count):
@@ -181,11 +182,11 @@ def command_clip(args: argparse.Namespace) -> int:
                     raise ValueError(f"{taken[name]} and {path} would both be written as {name}; clip one at a time")
                 row = clip_one(source, frame, settings, out)
                 if row.state == "ok" or row.reason != last:  # what is wrong with all of a sequence is said once
-                    bar.write(line_of(row, source.count > 1, source.names[frame]), file=sys.stdout)
+                    bar.write(plain(line_of(row, source.count > 1, source.names[frame])), file=sys.stdout)
                 code, written, last = code or CODES[row.state], written or row.state == "ok", row.reason
             bar.update()
     if written:
-        print(f"Files are in {out}")
+        print(plain(f"Files are in {out}"))
     return code
 
 
@@ -230,22 +231,25 @@ def command_batch(args: argparse.Namespace) -> int:
         raise FileError(f"{' '.join(args.folder)}: there is no volume; suffixes are {' '.join(_study.SUFFIXES)}")
     check_mirror(settings, files)
     out = make_folder(args.out)
-    with _study.cluster(args.scheduler, args.workers, tell_dashboard) as client, progress(None, "batch") as bar:
+    with (
+        _study.cluster(args.scheduler, args.workers, lambda link: tell(f"dashboard at {link}")) as client,
+        progress(None, "batch") as bar,
+    ):
         rows = _study.batch(files, settings, out, client, bar.update, args.seconds, bar.reset)
     failed = [row for row in rows if row["state"] != "ok"]
     of_file = Counter(row["file"] for row in failed)
     for row in failed:
         if count := of_file.pop(row["file"], 0):  # the first of a file; the table has all
             more = f"; {count} of its volumes failed" if count > 1 else ""
-            print(line_of(Row(**row), True) + more, file=sys.stderr)
+            print(plain(line_of(Row(**row), True)) + more, file=sys.stderr)
     done = f"{len(rows) - len(failed)} volumes clipped, {len(failed)} not"
-    print(f"{done}; the page is {out / 'index.html'}, the table {out / 'table.csv'}")
+    print(plain(f"{done}; the page is {out / 'index.html'}, the table {out / 'table.csv'}"))
     return FAILED if failed else OK
 
 
-def tell_dashboard(link: str) -> None:
-    """Where to look on."""
-    print(f"smartvis: dashboard at {link}", file=sys.stderr, flush=True)
+def tell(text: object) -> None:
+    """What is no result."""
+    print(plain(f"smartvis: {text}"), file=sys.stderr, flush=True)
 
 
 def positive(text: str) -> int:
@@ -262,9 +266,9 @@ def command_parameters(args: argparse.Namespace) -> int:
         facts = [{k: v for k, v in vars(p).items() if k != "id"} for p in plugin.parameters.values()]
         print(json.dumps({"id": plugin.id, "version": plugin.version, "parameters": facts}, indent=1))
         return OK
-    print(f"{plugin.name} {plugin.version} ({plugin.id}): {plugin.summary}")
+    print(plain(f"{plugin.name} {plugin.version} ({plugin.id}): {plugin.summary}"))
     for parameter in plugin.parameters.values():
-        print(f"  {parameter.key:18} {value_range(parameter):34} {parameter.help}")
+        print(plain(f"  {parameter.key:18} {value_range(parameter):34} {parameter.help}"))
     return OK
 
 
@@ -277,9 +281,16 @@ def value_range(p: Parameter) -> str:
     return f"{p.default:g} [{p.minimum:g} .. {p.maximum:g}] {p.unit}".rstrip()
 
 
+class _Parser(argparse.ArgumentParser):
+    """Shows words of the command line, which a shell may have made of files' names."""
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        super()._print_message(plain(message), file)
+
+
 def parser_of() -> argparse.ArgumentParser:
     """The whole command line."""
-    parser = argparse.ArgumentParser(prog="smartvis", description="Removes what hides the fetus in 3D ultrasound.")
+    parser = _Parser(prog="smartvis", description="Removes what hides the fetus in 3D ultrasound.")
     parser.add_argument("--version", action="version", version=f"smartvis {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
@@ -321,7 +332,7 @@ def parser_of() -> argparse.ArgumentParser:
 
 def fail(error: Exception) -> int:
     """Says what went wrong; returns the exit code."""
-    print(f"smartvis: {error}", file=sys.stderr)
+    tell(error)
     if isinstance(error, (PluginError, LoadError)):
         return PLUGIN
     if isinstance(error, OutputError) or (isinstance(error, OSError) and not isinstance(error, SmartVisError)):

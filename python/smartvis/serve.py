@@ -31,6 +31,7 @@ from ._errors import SmartVisError
 from ._igtl import Channel, PeerGone, ProtocolError, Refused, image_message, messages, string_message
 from ._plugin import Plugin
 from ._result import Result
+from ._text import plain
 from ._words import on_command_line
 from ._work import Settings
 
@@ -119,9 +120,9 @@ class _Connection(socketserver.BaseRequestHandler):
                     self.request.sendall(answer.pack())
                 session.rests()
         except ProtocolError as error:
-            log.warning("%s: %s; the connection is closed", self.client_address, error)
+            log.warning("%s: %s; the connection is closed", self.client_address, plain(error))
         except (PeerGone, OSError) as error:
-            log.info("%s: %s", self.client_address, error)
+            log.info("%s: %s", self.client_address, plain(error))
         except Exception:
             log.exception("%s: the connection is closed", self.client_address)
         finally:
