@@ -61,12 +61,18 @@ class Source:
 
 
 def stem(path: Path) -> str:
-    """The file's name without what tells its format: "head.seq" of head.seq.nii.gz."""
+    """The file's name without what tells its format: "head.seq" of head.seq.nii.gz; no longer than leaves room for
+    what results are called."""
     name = path.name
     for suffix in sorted(SUFFIXES, key=len, reverse=True):
         if name.lower().endswith(suffix) and len(name) > len(suffix):
-            return name[: -len(suffix)]
-    return name
+            return cut(name[: -len(suffix)], 180)
+    return cut(name, 180)
+
+
+def cut(name: str, most: int) -> str:
+    """A name of so many bytes at most; file systems take 255."""
+    return os.fsencode(name)[:most].decode(errors="ignore") if len(os.fsencode(name)) > most else name
 
 
 PARTS = ".part-*"  #: names of files that are being written

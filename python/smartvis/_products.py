@@ -90,12 +90,17 @@ def small_look(volume: Any, result: Result, height: int = 128) -> NDArray[np.uin
     return np.concatenate([_to_height(panel, height) for panel in small], axis=1)
 
 
+def file_of(name: str, product: str, suffix: str) -> str:
+    """What a product's file is called, of a volume's name."""
+    own = {"mesh": ".ply", "look": ".png", "small": ".png"}.get(product, suffix)
+    return f"{name}_{product}{own}"
+
+
 def write(
     image: Any, result: Result, prefix: Path, product: str, suffix: str = ".nrrd", level: float | None = None
 ) -> Path:
     """One of PRODUCTS, or the "small" look, beside `prefix`. `suffix` is of volumes, `level` the mesh's."""
-    own = {"mesh": ".ply", "look": ".png", "small": ".png"}.get(product, suffix)
-    return _write(image, result, prefix.with_name(f"{prefix.name}_{product}{own}"), product, level)
+    return _write(image, result, prefix.with_name(file_of(prefix.name, product, suffix)), product, level)
 
 
 def _write(image: Any, result: Result, path: Path, product: str, level: float | None = None) -> Path:

@@ -11,26 +11,36 @@ from __future__ import annotations
 import contextlib
 import csv
 import faulthandler
-import hashlib
-import json
-import os
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from . import _kretz, _process
+from . import _process
 from ._clip import ClipperCache
-from ._errors import FileError, HostError, extra_module
-from ._files import PARTS, Source, stem, whole
-from ._files import SUFFIXES as SUFFIXES
+from ._errors import FileError, HostError, LoadError, extra_module
+from ._files import Source, whole
+from ._found import state_of
 from ._page import write_page
+from ._products import file_of
+from ._rows import (
+    BEGAN,
+    changed,
+    folder_of,
+    forget,
+    keep,
+    locked,
+    made_with,
+    plugin_state,
+    read_row,
+    remove_leftovers,
+    row_path,
+)
 from ._text import plain
-from ._work import COLUMNS, Row, Settings, clip_one
+from ._work import COLUMNS, Row, Settings, clip_one, name_of
 
-ROWS = "rows"  #: folder of the rows beside the results
-BEGAN = ".began"  # ending of the name that tells when a volume was begun
 _AHEAD = 4  # tasks a worker has in hand: enough to keep it busy, few enough for a list of any length
 _LOOK = 2.0  # seconds between looks at workers of our own
 _ALONE = 300  # seconds without any: on a busy machine a start takes some of them
@@ -52,7 +62,9 @@ def cluster(scheduler: str | None, workers: int, link: Callable[[str], None]) ->
         return
     # A task that was on two workers when they died is put aside. A worker that died has time to come back: Dask itself
     # gives it 15 seconds, after which it ends the one that is just about to begin.
-    patience = {"scheduler.allowed-failures": 1, "deploy.lost-worker-timeout": f"{_ALONE} s"}
+    patience: dict[str, Any] = {"scheduler.allowed-failures": 1, "deploy.lost-worker-timeout": f"{_ALONE} s"}
+    # A worker that is paused for its memory waits until others take less: here nobody else does, and it never goes on.
+    patience |= {f"worker.memory.{what}": False for what in ("target", "spill", "pause")}
     with (
         config.set({f"distributed.{key}": value for key, value in patience.items()}),
         dask.LocalCluster(
@@ -64,113 +76,85 @@ def cluster(scheduler: str | None, workers: int, link: Callable[[str], None]) ->
         yield client
 
 
-def find_files(paths: Sequence[str]) -> list[Path]:
-    """The files named, and of folders all below them with a suffix of a volume. A folder's DICOM slices are one
-    volume; one that cannot be read stands for itself, so that it is told. FileError: a path is not there."""
-    found: list[Path] = []
-    for path in map(Path, paths):
-        if not path.exists():
-            raise FileError(f"{path}: no such file or folder")
-        if not path.is_dir():
-            found.append(path)
-            continue
-        closed: list[OSError] = []
-        inside = sorted(
-            Path(folder, name)
-            for folder, _, names in os.walk(path, onerror=closed.append)
-            for name in names
-            if name.lower().endswith(SUFFIXES)
-        )
-        found += [Path(error.filename) for error in closed]
-        slices = {p.parent for p in inside if p.suffix.lower() == ".dcm"}
-        found += [p for p in inside if p.suffix.lower() != ".dcm"]
-        found += [part for folder in sorted(slices) for part in _kretz.split(folder)]
-    return found
-
-
-def row_path(out: Path, file: Path, frame: int) -> Path:
-    """Where a volume's row lies: one name for one file, wherever it was started from."""
-    key = hashlib.sha256(os.fsencode(file.resolve())).hexdigest()[:16]
-    return out / ROWS / f"{key}_{frame:05d}.json"
-
-
-def folder_of(out: Path, file: Path) -> Path:
-    """A folder for each file, named after it, so that files of one name do not overwrite one another."""
-    whole_name = file.resolve()
-    key = hashlib.sha256(os.fsencode(whole_name)).hexdigest()[:8]
-    return out / f"{whole_name.parent.name[:60]}-{stem(whole_name)[:60]}-{key}"
-
-
 _worker_cache: ClipperCache | None = None
-_worker_source: Source | None = None
+_worker_source: tuple[tuple[Path, str], Source] | None = None
+_worker_plugins: dict[str, str] = {}  # by path, what they were when they were loaded
+_Volume = tuple[Path, int, dict[str, Any]]
 
 
-def task(path: str, frame: int, settings: Settings, out: str, seconds: int) -> dict[str, Any]:
+def task(path: str, frame: int, settings: Settings, out: str, seconds: int, made: dict[str, Any]) -> dict[str, Any]:
     """One volume, in a worker: its clippers outlive the task. Every trouble with a volume is in its row. One that takes
     too long ends the worker, whatever hangs, and the next worker that gets it finds when it began."""
-    global _worker_cache, _worker_source
-    if _worker_cache is None:
-        _worker_cache = ClipperCache(most=2)
     _process.limit = seconds
     file, results = Path(path), Path(out)
     began = row_path(results, file, frame).with_suffix(BEGAN)
     if began.exists() and time.time() - began.stat().st_mtime >= seconds:
-        return _keep(Row(path, frame, "input", f"{path}: it took longer than {seconds} s"), results)
+        return keep(Row(path, frame, "input", f"{path}: it took longer than {seconds} s"), results)
+    forget(results, file, frame)
     whole(began, lambda part: part.write_text(""))
     faulthandler.dump_traceback_later(seconds, exit=True, file=2)
+    names: list[str] = []
     try:
-        if _worker_source is None or _worker_source.path != file:
-            _worker_source = Source(file, mirror=settings.mirror, spacing=settings.spacing)
-        row = clip_one(_worker_source, frame, settings, folder_of(results, file), _worker_cache, True)
-    except (FileError, HostError) as error:
-        row = Row(path, frame, "input", str(error))
+        _check_plugin(settings, made["plugin"])
+        source = _source(file, settings, made["file"])
+        row = clip_one(source, frame, settings, folder_of(results, file), _worker_cache, True)
+        names = [file_of(name_of(source, frame), what, settings.suffix) for what in (*settings.products, "small")]
+    except (FileError, HostError, LoadError) as error:
+        row = Row(path, frame, "plugin" if isinstance(error, LoadError) else "input", str(error))
     finally:
         faulthandler.cancel_dump_traceback_later()
         began.unlink(missing_ok=True)
-    return _keep(row, results)
+    return keep(row, results, made, names if row.state == "ok" else [])
 
 
-def _keep(row: Row, out: Path) -> dict[str, Any]:
-    facts = asdict(row)
-    path = row_path(out, Path(row.file), row.frame)
-    whole(path, lambda part: part.write_text(json.dumps(facts)))
-    return facts
+def _source(file: Path, settings: Settings, state: str) -> Source:
+    """As before for the next volume of a file."""
+    global _worker_cache, _worker_source
+    if _worker_cache is None:
+        _worker_cache = ClipperCache(most=2)
+    if _worker_source is None or _worker_source[0] != (file, state):
+        _worker_source = ((file, state), Source(file, mirror=settings.mirror, spacing=settings.spacing))
+    return _worker_source[1]
 
 
-def frames_of(files: Sequence[Path], out: Path) -> tuple[list[tuple[Path, int]], list[dict[str, Any]]]:
-    """The volumes to do, and the rows of those that are done. A file that cannot be opened is a row at once."""
-    todo: list[tuple[Path, int]] = []
-    done: list[dict[str, Any]] = []
+def _check_plugin(settings: Settings, state: str) -> None:
+    """LoadError: a worker that lives on from another batch has the library as it was then."""
+    path = settings.load().path
+    if _worker_plugins.setdefault(path, plugin_state(path)) != state:
+        raise LoadError(f"{path}: it has changed since this worker loaded it; start the workers anew")
+
+
+@dataclass
+class Plan:
+    """What a batch does."""
+
+    todo: list[tuple[Path, int, dict[str, Any]]] = field(default_factory=list)  #: volumes, with what they are made of
+    done: list[dict[str, Any]] = field(default_factory=list)  #: rows
+    anew: Counter[str] = field(default_factory=Counter)  #: how many that were done, by what has changed
+
+
+def plan_of(files: Sequence[Path], out: Path, settings: Settings) -> Plan:
+    """What is to be done, and what is done. A file that cannot be opened is a row at once."""
+    plan, made = Plan(), made_with(settings)
     for file in files:
         try:
+            state = state_of(file)
             count = Source(file).count
         except FileError as error:
-            done.append(_keep(Row(str(file), 0, "input", str(error)), out))
+            plan.done.append(keep(Row(str(file), 0, "input", str(error)), out))
             continue
         for frame in range(count):
-            row = _read_row(row_path(out, file, frame))
-            if row is not None and row["state"] == "ok":
-                done.append(row)
+            of = {"file": state} | made
+            row = read_row(row_path(out, file, frame))
+            ended = row is not None and row["state"] == "ok"
+            what = changed(row, of, folder_of(out, file)) if row is not None and ended else ""
+            if row is not None and ended and not what:
+                plan.done.append(row)
             else:
-                todo.append((file, frame))
-    return todo, done
-
-
-def _read_row(path: Path) -> dict[str, Any] | None:
-    try:
-        row = json.loads(path.read_text())
-    except (OSError, ValueError):
-        return None
-    return row if isinstance(row, dict) and set(row) == set(COLUMNS) else None
-
-
-def same_settings(out: Path, settings: Settings) -> None:
-    """Results of other settings are never mixed in: ValueError."""
-    path = out / ROWS / "settings.json"
-    facts = json.dumps(asdict(replace(settings, plugin=settings.load().path)), sort_keys=True)
-    if path.exists() and path.read_text() != facts:
-        raise ValueError(f"{out} holds a batch with other settings, {path}; choose another --out")
-    whole(path, lambda part: part.write_text(facts))
+                plan.todo.append((file, frame, of))
+                plan.anew[what] += ended
+    plan.done = [{name: row[name] for name in COLUMNS} for row in plan.done]
+    return plan
 
 
 def batch(
@@ -181,56 +165,64 @@ def batch(
     step: Callable[[], Any],
     seconds: int = 600,
     total: Callable[[int], Any] = lambda count: None,
+    tell: Callable[[str], Any] = lambda text: None,
 ) -> list[dict[str, Any]]:
-    """Clips what is not done yet, and returns the rows of all; table.csv and index.html have them, too, however the
-    batch ends. Failed volumes are tried anew by the next batch; `seconds` is what one may take. `total` is told how
-    many volumes there are, `step` is called for each. One batch at a time may write to `out`.
-    HostError: the workers died and none came back."""
-    same_settings(out, settings)
-    _remove_leftovers(out)
-    _process.limit = seconds
-    todo, rows = frames_of(files, out)
-    total(len(todo) + len(rows))
-    for _ in rows:
-        step()
-    try:
-        for row in _rows(todo, settings, out, client, seconds):
-            rows.append(row)
+    """Clips what is not done yet, or of another file, plugin or settings, and returns the rows of all; table.csv and
+    index.html have them, too, however the batch ends. Failed volumes are tried anew by the next batch; `seconds` is
+    what one may take. `total` is told how many volumes there are, `step` is called for each, `tell` is told what is
+    done anew. OutputError: another batch writes to `out`. HostError: the workers died and none came back."""
+    with locked(out, settings):
+        remove_leftovers(out, files)
+        _process.limit = seconds
+        plan = plan_of(files, out, settings)
+        rows = plan.done
+        total(len(plan.todo) + len(rows))
+        if again := plan.anew.total():
+            what = ", ".join(sorted(what for what, count in plan.anew.items() if count))
+            tell(f"{again} of the volumes that were done are done anew; changed: {what}")
+        for _ in rows:
             step()
-    finally:
-        _remove_leftovers(out)
-        rows.sort(key=lambda row: (row["file"], row["frame"]))
-        write_table(out / "table.csv", rows)
-        write_page(out / "index.html", [(Row(**row), folder_of(out, Path(row["file"]))) for row in rows])
+        try:
+            for row in _rows(plan.todo, settings, out, client, seconds):
+                rows.append(row)
+                step()
+        finally:
+            remove_leftovers(out, files)
+            rows.sort(key=lambda row: (row["file"], row["frame"]))
+            write_table(out / "table.csv", rows)
+            write_page(out / "index.html", [(Row(**row), folder_of(out, Path(row["file"]))) for row in rows])
     return rows
 
 
-def _remove_leftovers(out: Path) -> None:
-    """Of workers that were killed."""
-    for path in (*out.rglob(PARTS), *out.rglob(f"*{BEGAN}")):
-        path.unlink(missing_ok=True)
-
-
 def _rows(
-    todo: Sequence[tuple[Path, int]], settings: Settings, out: Path, client: Any, seconds: int
+    todo: Sequence[_Volume], settings: Settings, out: Path, client: Any, seconds: int
 ) -> Iterator[dict[str, Any]]:
     """The rows of volumes as they end."""
-    workers = max(len(client.nthreads()), 1)
+    workers, memory = max(len(client.nthreads()), 1), _memory(client)
     suspects = []
 
-    def submit(file: Path, frame: int) -> Any:
-        return client.submit(task, str(file), frame, settings, str(out), seconds, pure=False)
+    def submit(file: Path, frame: int, made: dict[str, Any]) -> Any:
+        return client.submit(task, str(file), frame, settings, str(out), seconds, made, pure=False)
 
-    for (file, frame), future in _done(todo, submit, client, workers, _AHEAD * workers):
-        row = _row_of(future, row_path(out, file, frame))
+    for volume, future in _done(todo, submit, client, workers, _AHEAD * workers):
+        row = _row_of(future, row_path(out, *volume[:2]))
         if row is None:
-            suspects.append((file, frame))
+            suspects.append(volume)
         else:
             yield row
     # Dask suspects whatever was in hand on a worker that died. Alone, only what really kills one fails again.
-    for (file, frame), future in _done(suspects, submit, client, workers, 1):
+    for (file, frame, _), future in _done(suspects, submit, client, workers, 1):
         row = _row_of(future, row_path(out, file, frame))
-        yield row or _keep(Row(str(file), frame, "plugin", f"the worker died: {_reason(future)}"), out)
+        yield row or keep(Row(str(file), frame, "plugin", f"the worker died: {_reason(future)}{memory}"), out)
+
+
+def _memory(client: Any) -> str:
+    """What workers of our own have of it: one that takes more is ended without a word."""
+    limits = [worker["memory_limit"] for worker in client.scheduler_info()["workers"].values()]
+    if client.cluster is None or not any(limits):
+        return ""
+    most = min(filter(None, limits)) >> 20
+    return f"; perhaps for want of memory: each has {most} MiB, and with fewer --workers more"
 
 
 def _row_of(future: Any, path: Path) -> dict[str, Any] | None:
@@ -238,9 +230,9 @@ def _row_of(future: Any, path: Path) -> dict[str, Any] | None:
     it, and to ask for it then is to wait without end. None: the task's worker died."""
     if future.status != "finished":
         return None
-    row = _read_row(path)
+    row = read_row(path)
     if row is not None:
-        return row
+        return {name: row[name] for name in COLUMNS}
     try:  # a file system of a network may show the file late
         kept: dict[str, Any] = future.result(timeout=_ALONE)
     except TimeoutError:
@@ -253,19 +245,19 @@ def _reason(future: Any) -> str:
 
 
 def _done(
-    volumes: Sequence[tuple[Path, int]], start: Callable[[Path, int], Any], client: Any, workers: int, ahead: int
-) -> Iterator[tuple[tuple[Path, int], Any]]:
+    volumes: Sequence[_Volume], start: Callable[[Path, int, dict[str, Any]], Any], client: Any, workers: int, ahead: int
+) -> Iterator[tuple[_Volume, Any]]:
     """Volumes with their futures as they end, `ahead` of them in hand at a time."""
     from distributed import as_completed
 
     completed = as_completed(loop=client.loop)  # not that of another client in this process
     left = iter(volumes)
-    waiting: dict[str, tuple[Path, int]] = {}
+    waiting: dict[str, _Volume] = {}
 
     def submit() -> None:
-        for file, frame in left:
-            future = start(file, frame)
-            waiting[future.key] = (file, frame)
+        for volume in left:
+            future = start(*volume)
+            waiting[future.key] = volume
             completed.add(future)
             return
 

@@ -19,7 +19,8 @@ from typing import Any, NoReturn
 
 from . import __version__, _kretz, _process, _runtime
 from ._errors import FileError, HostError, LoadError, OutputError, PluginError, SmartVisError
-from ._files import Source, stem
+from ._files import SUFFIXES, Source, stem
+from ._found import find_files
 from ._plugin import Parameter, load
 from ._products import PRODUCTS
 from ._seen import SIDES
@@ -226,16 +227,16 @@ def command_batch(args: argparse.Namespace) -> int:
     from . import _study
 
     settings = settings_of(args)
-    files = _study.find_files(args.folder)
+    files = find_files(args.folder, Path(args.out), tell)
     if not files:
-        raise FileError(f"{' '.join(args.folder)}: there is no volume; suffixes are {' '.join(_study.SUFFIXES)}")
+        raise FileError(f"{' '.join(args.folder)}: there is no volume; suffixes are {' '.join(SUFFIXES)}")
     check_mirror(settings, files)
     out = make_folder(args.out)
     with (
         _study.cluster(args.scheduler, args.workers, lambda link: tell(f"dashboard at {link}")) as client,
         progress(None, "batch") as bar,
     ):
-        rows = _study.batch(files, settings, out, client, bar.update, args.seconds, bar.reset)
+        rows = _study.batch(files, settings, out, client, bar.update, args.seconds, bar.reset, tell)
     failed = [row for row in rows if row["state"] != "ok"]
     of_file = Counter(row["file"] for row in failed)
     for row in failed:

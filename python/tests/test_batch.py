@@ -26,7 +26,9 @@ from conftest import LONG, SOURCE, layers
 import smartvis
 from smartvis import _study
 from smartvis._files import PARTS
+from smartvis._found import find_files
 from smartvis._products import quick_look, small_look
+from smartvis._rows import BEGAN, folder_of
 from smartvis._work import Settings
 from smartvis.cli import main
 
@@ -90,7 +92,7 @@ def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> Non
     sitk.WriteImage(sitk.GetImageFromArray(shifted(0)), str(cut))
     cut.write_bytes(cut.read_bytes()[:9000])
     out = tmp_path / "out"
-    found = _study.find_files([str(tmp_path / "study")])
+    found = find_files([str(tmp_path / "study")])
     assert len(found) == 7
     steps: list[int] = []
     rows = _study.batch(found, SETTINGS, out, client, lambda: steps.append(1))
@@ -98,7 +100,7 @@ def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> Non
     states = {(Path(r["file"]).name, r["frame"]): r["state"] for r in rows}
     assert states.pop(("bad.nrrd", 0)) == states.pop(("cut.mha", 0)) == "input" and set(states.values()) == {"ok"}
     for number, file in enumerate(files):
-        clipped = _study.folder_of(out, file) / f"scan{number // 3}_clipped.nrrd"
+        clipped = folder_of(out, file) / f"scan{number // 3}_clipped.nrrd"
         expected = smartvis.clip(shifted(number), (1, 1, 1), method="wall").apply(shifted(number))
         assert np.array_equal(sitk.GetArrayFromImage(sitk.ReadImage(str(clipped))), expected)
     assert len(list(out.rglob("beat_f000?_clipped.nrrd"))) == 3
@@ -109,8 +111,6 @@ def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> Non
     again = _study.batch(found, SETTINGS, out, client, lambda: None)
     changed = {p for p, t in rows_of(out).items() if before[p] != t}
     assert len(changed) == 2 and [r["state"] for r in again] == [r["state"] for r in rows]  # the broken are tried anew
-    with pytest.raises(ValueError, match="other settings"):
-        _study.batch(found, Settings(parameters={"method": "mean"}), out, client, lambda: None)
 
 
 def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, doomed) -> None:
@@ -118,7 +118,7 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, doomed) -> None:
     out = tmp_path / "out"
     victims = list(doomed.run(os.getpid).values())
     done: list[int] = []
-    half = _study.folder_of(out, files[0]) / f".part-{victims[0]}-scan0_clipped.nrrd"
+    half = folder_of(out, files[0]) / f".part-{victims[0]}-scan0_clipped.nrrd"
     half.parent.mkdir(parents=True)
     half.write_text("what a worker leaves that is killed while it writes")
 
@@ -202,7 +202,7 @@ def test_a_file_that_takes_too_long_is_a_row(tmp_path: Path, trouble: str, monke
     states = {Path(r["file"]).name: r["state"] for r in rows if r["file"] != str(files[0])}
     assert len(rows) == 4 and states.pop("stops.nrrd") == "input" and set(states.values()) == {"ok"}
     assert "longer than 20 s" in next(r["reason"] for r in rows if r["file"] == str(stops))
-    assert not list((tmp_path / "out").rglob(f"*{_study.BEGAN}"))
+    assert not list((tmp_path / "out").rglob(f"*{BEGAN}"))
 
 
 def test_one_line_a_file_and_nothing_is_overwritten(tmp_path: Path, capsys) -> None:
@@ -237,7 +237,7 @@ def test_the_page_has_a_picture_of_every_volume(tmp_path: Path, client) -> None:
     (folder / "bad.nrrd").write_text("no volume")
     (folder / os.fsdecode(b"lat\xe9in.nrrd")).write_bytes((folder / "bare.nrrd").read_bytes())
     out = tmp_path / "out"
-    rows = _study.batch(_study.find_files([str(folder)]), SETTINGS, out, client, lambda: None)
+    rows = _study.batch(find_files([str(folder)]), SETTINGS, out, client, lambda: None)
     page = (out / "index.html").read_text()
     assert "<b>" not in page and "<h1>6 volumes</h1>" in page and "3 were clipped. In 1 the plugin found" in page
     pictures = {unescape(alt): unquote(src) for src, alt in re.findall(r'<img src="([^"]*)" alt="([^"]*)"', page)}

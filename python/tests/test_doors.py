@@ -21,7 +21,7 @@ from test_kinds import MM, RIGHT, SAID, host, meta, nrrd, written
 import smartvis
 from smartvis._files import Source
 from smartvis._images import says_spacing
-from smartvis._study import folder_of
+from smartvis._rows import folder_of
 from smartvis._work import Settings
 from smartvis.cli import main
 from smartvis.serve import Budget, Session

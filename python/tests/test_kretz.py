@@ -13,7 +13,7 @@ from conftest import host_sim, write_dicom
 
 import smartvis
 from smartvis._files import Source
-from smartvis._study import find_files
+from smartvis._found import find_files
 from smartvis.cli import main
 
 MEAN = ("--method", "mean")
