@@ -57,14 +57,15 @@ static int is_volume(const struct dirent *entry) {
 
 /* The real fetus in fluid, if --data has it. */
 static bool add_fetus(demo *d, hs_error *err) {
-    hs_demo_case *c = &d->cases[d->case_count];
-    if (!d->data || !hs_path_join(d->data, "real/fetus_12w.mha", c->file, sizeof c->file, err))
-        return !d->data;
-    if (access(c->file, R_OK) != 0) return true;
+    char file[SYS_PATH];
+    if (!d->data) return true;
+    if (!hs_path_join(d->data, "real/fetus_12w.mha", file, sizeof file, err)) return false;
+    if (access(file, R_OK) != 0) return true;
+    hs_demo_case *c = &d->cases[d->case_count++];
     c->real = true;
+    (void)snprintf(c->file, sizeof c->file, "%s", file);
     (void)snprintf(c->folder, sizeof c->folder, "fetus_12w_mha");
     (void)snprintf(c->name, sizeof c->name, "A real fetus of twelve weeks");
-    d->case_count++;
     return true;
 }
 

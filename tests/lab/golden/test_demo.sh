@@ -108,4 +108,9 @@ holds [ $? -eq 4 ]
 holds cmp "$work/bad/D01/full.png" "$work/bad/D01/result.png"
 holds grep -q 'no symbol smartvis_plugin_entry' "$work/bad/index.html"
 
+# A folder need not have the real fetus, nor anything.
+mkdir "$work/nothing"
+ends 0 "$build/host_sim" demo --quick --picture 64 --out "$work/plain" --data "$work/nothing"
+holds grep -qF "demo 4 of 4" "$work/stdout"
+
 [ $failed -eq 0 ]
