@@ -4,50 +4,10 @@
  * its answer is worked out by hand from the numbers of the docs. Voxels are 1 mm wide, so a cell is 2 mm, a
  * ray 1 mm, and a layer 2 mm.
  */
-#include "ref/ref_wall_steps.h"
+#include "support/near.h"
+#include "support/wall_model.h"
 
 #include <math.h>
-
-#include "support/near.h"
-#include "support/unit.h"
-
-/* What the steps read; all of it is fluid of level 0 at first. */
-typedef struct {
-    sv_wall_layout layout;
-    sv_wall_blocks blocks;
-    sv_wall_scan scan;
-    uint8_t *brightness, *surroundings;
-} model;
-
-static void make(model *m, uint32_t across, uint32_t down, uint32_t layers, const sv_wall_settings *given) {
-    const sv_wall_settings s = given ? *given : sv_wall_settings_default();
-    const uint32_t rays = 4 * across * down;
-    *m = (model){.layout = sv_wall_layout_of(2 * across, 2 * down, 2 * layers, (double[]){1, 1, 1}, &s)};
-    assert_int_equal(m->layout.columns * m->layout.rows, rays);
-    assert_int_equal(m->layout.layers, layers);
-    m->blocks = (sv_wall_blocks){.columns = 2 * across,
-                                 .rows = 2 * down,
-                                 .layers = layers,
-                                 .means = unit_memory((size_t)rays * layers),
-                                 .levels = unit_memory((size_t)rays * layers),
-                                 .relative = unit_memory((size_t)rays * layers),
-                                 .first = unit_memory(rays * sizeof(uint16_t)),
-                                 .end = unit_memory(rays * sizeof(uint16_t)),
-                                 .rays = rays};
-    m->brightness = unit_memory((size_t)rays / 4 * layers);
-    m->surroundings = unit_memory((size_t)rays / 4 * layers);
-    for (uint32_t i = 0; i < rays; i++) m->blocks.end[i] = (uint16_t)layers;
-    m->scan = (sv_wall_scan){&m->layout, &m->blocks, m->brightness, m->surroundings};
-}
-
-/* Gives the four rays of the cell in column `x` of the first row, layers from .. to - 1, a level. */
-static void fill(const model *m, uint8_t *levels, uint32_t x, uint32_t from, uint32_t to, uint8_t level) {
-    const size_t columns = m->layout.columns, plane = columns * m->layout.rows;
-    for (uint32_t z = from; z < to; z++)
-        for (size_t i = 0; i < 4; i++) levels[z * plane + i / 2 * columns + 2 * x + i % 2] = level;
-}
-
-enum { TISSUE = 200 }; /* relative to the threshold */
 
 /* ------------------------------------------------------------------------------------------- blocks -- */
 
@@ -204,14 +164,6 @@ static void three_rays_and_one_half_make_the_fetus(void **state) {
 
 /* ------------------------------------------------------------------------------------------ the costs -- */
 
-enum { DEEP = 16, DARK_CELL = 10, BRIGHT_CELL = 20 }; /* brightness of what is no fetus, and of what is */
-
-/* Tissue of one cell, layers from .. to - 1. */
-static void put_tissue(model *m, uint32_t from, uint32_t to, uint8_t brightness) {
-    fill(m, m->blocks.relative, 0, from, to, TISSUE);
-    memset(m->brightness + from, brightness, to - from);
-}
-
 /* What layers cost in a cell where bright tissue of a later run is the fetus, and none of a first run is. */
 static void costs_of(const model *m, double cost[DEEP]) {
     sv_wall_evidence e = {.wall_rays = 4};
@@ -220,31 +172,6 @@ static void costs_of(const model *m, double cost[DEEP]) {
     assert_true(sv_wall_costs_create(&m->scan, &e, &costs));
     for (uint32_t z = 0; z < DEEP; z++) cost[z] = (double)costs.all[z] / SV_WALL_COST_ONE;
     sv_wall_costs_destroy(&costs);
-}
-
-/* Where the fetus begins on a ray of such a cell. */
-static uint32_t front_of(const model *m) {
-    sv_wall_evidence e = {.wall_rays = 4};
-    sv_wall_costs costs;
-    e.first_run[BRIGHT_CELL] = e.later_run[BRIGHT_CELL] = SV_WALL_LIKELY;
-    assert_true(sv_wall_costs_create(&m->scan, &e, &costs));
-    const uint32_t front = costs.fronts[0];
-    sv_wall_costs_destroy(&costs);
-    return front;
-}
-
-/* A run that is dark in its first two layers is the fetus from these on, if fluid lies before it. */
-static void the_fetus_begins_where_its_run_does(void **state) {
-    model m;
-    make(&m, 1, 1, DEEP, NULL);
-    assert_int_equal(front_of(&m), DEEP);
-    put_tissue(&m, 6, 12, BRIGHT_CELL);
-    put_tissue(&m, 6, 8, DARK_CELL);
-    assert_int_equal(front_of(&m), 6);
-    put_tissue(&m, 0, 5, DARK_CELL);
-    assert_int_equal(front_of(&m), 6);
-    put_tissue(&m, 0, 5, BRIGHT_CELL); /* without its skin */
-    assert_int_equal(front_of(&m), DEEP);
 }
 
 #define COST_STEP (1.0 / SV_WALL_COST_ONE)
@@ -447,7 +374,6 @@ UNIT_MAIN(NULL, NULL, blocks_are_of_about_two_millimetres, a_twentieth_is_darker
           all_that_is_bright_weighs_a_twentieth, a_front_is_dim_from_two_fifths_on,
           brightness_reaches_two_cells, the_wall_is_the_median_and_its_spread_that_of_the_deciles,
           a_wall_on_few_rays_is_assumed, three_rays_and_one_half_make_the_fetus, what_errors_cost,
-          the_fetus_begins_where_its_run_does, what_is_dim_is_no_certain_fluid, the_first_fluid_is_certain,
-          one_side_weighs_three_tenths, layers_are_averaged_and_the_knob_moves_over_some,
-          the_surface_goes_back_to_the_fetus, the_gaussian_smooths_costs, the_median_looks_six_rays_aside,
-          a_surface_has_no_narrow_pits)
+          what_is_dim_is_no_certain_fluid, the_first_fluid_is_certain, one_side_weighs_three_tenths,
+          layers_are_averaged_and_the_knob_moves_over_some, the_surface_goes_back_to_the_fetus,
+          the_gaussian_smooths_costs, the_median_looks_six_rays_aside, a_surface_has_no_narrow_pits)
