@@ -75,6 +75,7 @@ static void take_numbers(sv_wall_layout *l, const sv_wall_settings *s) {
     l->fetus_level = (int)floor(s->fetus_level * odds_one + 0.5);
     l->first_run_extra = (int)floor(s->first_run_extra * odds_one + 0.5);
     l->slope = (int)floor(s->slope * 16.0 + 0.5);
+    l->valley = rounded(s->valley * SV_WALL_VALLEY_ONE);
     l->one_side = rounded(s->one_side * SV_WALL_PROBABILITY_ONE);
     l->median = s->median;
     l->half_confidence_cost = (float)s->half_confidence_cost;

@@ -21,6 +21,7 @@
     CONSTANT(bright_share, 0.05) \
     CONSTANT(dark_rank, 0.05) /* such a share of the blocks is darker than the dark level */ \
     CONSTANT(threshold, 0.65) /* its root is this share of the way from the dark level's to the bright */ \
+    CONSTANT(valley, 0.75) /* what is darker than this share of both sides parts a limb from the wall */ \
     CONSTANT(dim, 0.4) /* a block that is brighter than this share of the threshold is dim, not dark */ \
     /* Of the darkest `fluid_rank` of all blocks, the share in the gaps that the surface lies in tells whether
      * there is fluid in front of the fetus: there is from `gap_share` on, there is none below

@@ -54,10 +54,44 @@ static void fill_dim_front(const sv_wall_layout *l, __global uchar *levels, uint
     }
 }
 
+/* The sum of the levels of a ray and of those around it. */
+static uint sum_around(const sv_wall_layout *l, __global const uchar *levels, uint z, ray_place_t at) {
+    const uint reach = SV_WALL_VALLEY_REACH;
+    uint sum = 0;
+    for (uint y = at.row - min(at.row, reach); y <= min(at.row + reach, l->rows - 1); y++)
+        for (uint x = at.x - min(at.x, reach); x <= min(at.x + reach, l->columns - 1); x++)
+            sum += levels[level_row(l, z, y) + x];
+    return sum;
+}
+
+/* The largest of these sums in layers from .. to - 1, or 0. */
+static uint largest_sum(const sv_wall_layout *l, __global const uchar *levels, uint from, uint to,
+                        ray_place_t at) {
+    uint largest = 0;
+    for (uint z = from; z < to; z++) largest = max(largest, sum_around(l, levels, z, at));
+    return largest;
+}
+
+/* Valleys of the brightness part a first run (sv_wall_part_valleys). `relative`: of the ray. */
+static void part_valleys(const sv_wall_layout *l, __global const uchar *levels, __global uchar *relative,
+                         uint first, uint scan_end, ray_place_t at) {
+    const size_t pitch = level_pitch_of(l);
+    uint end = first;
+    while (end < scan_end && relative[end * pitch] > SV_WALL_TISSUE) end++;
+    if (end == scan_end || l->valley == 0) return;
+    const uint from = max(end - min(end, l->full_distance), first + l->skin);
+    uint before = from < end ? largest_sum(l, levels, first, from, at) : 0;
+    for (uint z = from; z < end; z++) {
+        const uint sum = sum_around(l, levels, z, at), behind = largest_sum(l, levels, z + 1, end, at);
+        if (sum * SV_WALL_VALLEY_ONE < min(before, behind) * l->valley) relative[z * pitch] = SV_WALL_TISSUE;
+        before = max(before, sum);
+    }
+}
+
 /* One work group per row of cells. A ray begins in the wall if it begins in tissue with fluid behind it.
- * `levels`: relative ones. */
+ * `levels`: relative ones, of `grey`. */
 __kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restrict info,
-                                    __global uchar *restrict levels,
+                                    __global const uchar *restrict grey, __global uchar *restrict levels,
                                     __global const uchar *restrict brightness, __global ushort *restrict rays,
                                     __global uint *restrict histograms,
                                     __global const uint *restrict fronts) {
@@ -72,6 +106,7 @@ __kernel void wall_items_first_runs(sv_wall_layout l, __global const uint *restr
         __global uchar *const ray = levels + level_row(&l, 0, at.row) + at.x;
         if (near_field) first = behind_near_field(&l, ray, first, end);
         fill_dim_front(&l, ray, first, end);
+        part_valleys(&l, grey, ray, first, end, at);
         const run_t run = first_run(&l, ray, brightness + cell_row(&l, 0, at.row / 2) + at.x / 2, end);
         rays[block_row(&l, RAY_FIRST, at.row) + at.x] = (ushort)first;
         rays[block_row(&l, RAY_RUN, at.row) + at.x] = (ushort)run.begin;

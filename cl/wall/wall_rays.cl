@@ -6,6 +6,9 @@
 #ifndef SV_WALL_SURROUNDINGS_CLH
 #include "wall/wall_surroundings.clh"
 #endif
+#ifndef SV_WALL_VALLEYS_CLH
+#include "wall/wall_valleys.clh"
+#endif
 
 /* The first run of LANES rays, found from front to back. */
 typedef struct {
@@ -86,9 +89,10 @@ static void fill_dim_fronts(const sv_wall_layout *l, __global uchar *relative, u
     }
 }
 
-/* One work item per row of cells. `levels`: relative ones; `brightness`: the dilation of `row_maxima` along
- * y. */
-__kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict info,
+/* One work item per row of cells. `levels`: relative ones, of `grey`; `brightness`: the dilation of
+ * `row_maxima` along y. */
+__kernel void wall_first_runs(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
+                              __global const uchar *restrict grey, __global uint *restrict scratch,
                               __global uchar *restrict levels, __global const uchar *restrict row_maxima,
                               __global uchar *restrict brightness, __global ushort *restrict rays,
                               __global uint *restrict histograms, __global ulong *restrict flags,
@@ -108,6 +112,8 @@ __kernel void wall_first_runs(sv_wall_layout l, __global const uint *restrict in
             i16l first = AS_I16(ray_row(rays, &l, RAY_FIRST, line)[x]);
             if (near_field) first = behind_near_field(&l, from, in_row.from, first, end);
             fill_dim_fronts(&l, from, in_row.from, first, end);
+            part_valleys(&l, grey, from, line, x, in_row.from, first, end,
+                         scratch + (size_t)row * scratch_words);
             const walk_t w = walk_rays(&l, levels, brightness, line, x, in_row.from, end);
             ray_row(rays, &l, RAY_FIRST, line)[x] = AS_U16(first);
             ray_row(rays, &l, RAY_RUN, line)[x] = AS_U16(w.begin);

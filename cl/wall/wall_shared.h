@@ -36,7 +36,9 @@
 #define SV_WALL_TISSUE         128 /* tissue is brighter, relative to the threshold around it; and it is at */
 #define SV_WALL_DIM_TISSUE     129 /* least that: what a dim block at the start of a scan becomes */
 #define SV_WALL_ALL_DIM        32767 /* of sv_wall_layout.dim_front: more layers than a ray has */
-#define SV_WALL_BRIGHT_ONE     4     /* units of the brightness around a block */
+#define SV_WALL_VALLEY_REACH   2     /* rays to every side whose levels are summed for a valley */
+#define SV_WALL_VALLEY_ONE     8 /* units of sv_wall_layout.valley: eight sums of 25 levels have 16 bits */
+#define SV_WALL_BRIGHT_ONE     4 /* units of the brightness around a block */
 #define SV_WALL_GAINS          (256 * SV_WALL_BRIGHT_ONE) /* a gain for each of these brightnesses, */
 #define SV_WALL_GAIN_BITS      8                          /* with this fraction */
 #define SV_WALL_LEVEL_ONE      256 /* units of a grey level; the wall's brightness lies between two */
@@ -128,6 +130,7 @@ typedef struct {
     unsigned int bright_blocks;  /* the mean of all that is bright counts as so many blocks there */
     unsigned int dim;            /* a block is dim if it is brighter, relative to the threshold */
     unsigned int darkness;       /* certainty that it is fluid, per level below the threshold */
+    unsigned int valley;         /* of SV_WALL_VALLEY_ONE; 0: no valley parts a run */
     unsigned int near_field;     /* layers, */
     unsigned int skin;           /* and these, too */
     unsigned int dim_front;      /* layers of a dim front that are no wall before a gap */

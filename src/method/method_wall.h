@@ -72,7 +72,7 @@ typedef enum {
 typedef struct {
     int kernel;
     sv_wall_over over;
-    int buffers[10]; /* up to -1 */
+    int buffers[11]; /* up to -1 */
     int takes;
     sv_wall_when when;
 } sv_wall_launch;

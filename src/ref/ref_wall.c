@@ -109,6 +109,7 @@ static bool surface(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wa
     if (!sv_wall_relate_levels(l, levels, blocks)) return false;
     sv_wall_skip_near_field(l, blocks);
     sv_wall_fill_dim_fronts(l, blocks);
+    sv_wall_part_valleys(l, blocks);
     bool done = make_maps(&scan, levels, &maps, &evidence);
     if (done) {
         facts->wall_rays = evidence.wall_rays;

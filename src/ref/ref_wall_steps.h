@@ -76,6 +76,13 @@ void sv_wall_skip_near_field(const sv_wall_layout *layout, sv_wall_blocks *block
 /* Dim blocks at the start of a ray's scan are tissue: SV_WALL_DIM_TISSUE. Changes blocks->relative. */
 void sv_wall_fill_dim_fronts(const sv_wall_layout *layout, sv_wall_blocks *blocks);
 
+/* Parts the first run of a ray, if it begins where the scan does and fluid follows it, where a valley shows
+ * that a limb lies against the wall: the sum of the levels of the ray and of those SV_WALL_VALLEY_REACH
+ * around it is below layout->valley of the largest one in front of it in the run, and of the largest one
+ * behind it. It lies behind the skin, and at most layout->full_distance layers before the run's end. Such
+ * blocks become fluid. Changes blocks->relative. (ref_wall_valleys.c) */
+void sv_wall_part_valleys(const sv_wall_layout *layout, sv_wall_blocks *blocks);
+
 /* ---- how bright the wall is, and how likely tissue of a brightness is the fetus (ref_wall_evidence.c) */
 
 typedef struct {
