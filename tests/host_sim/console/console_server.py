@@ -76,6 +76,11 @@ def what_may_be_dropped(console):
         head = f"POST {at} HTTP/1.1\r\nHost: {console.place}\r\n{origin}\r\nContent-Length: {bytes_}\r\n\r\n"
         status, _, body = console.ask(head.encode() + sent)
         holds(status == code and said in body, f"{head}: {status}, {body}")
+    # All that was dropped counts: ten bytes by now, so the last of 2 GiB have no room.
+    for bytes_, code in (((2 << 30) - 9, 413), ((2 << 30) - 10, 400)):  # 400: it did not come whole
+        head = f"POST {path} HTTP/1.1\r\nHost: {console.place}\r\n{ours}\r\nContent-Length: {bytes_}\r\n\r\n"
+        status, _, body = console.ask(head.encode() + b"abc")
+        holds(status == code, f"{bytes_} bytes after ten: {status}, {body}")
 
 
 def pages_and_files(console):
