@@ -38,7 +38,8 @@ typedef struct {
     int outcome;     /* if not the one that is true */
     float lie;       /* a depth that no host may believe */
     int writes_nothing;
-    int map_once; /* only the first frame's map is written; later frames are said to be whole, too */
+    int map_once;    /* only the first frame's map is written; later frames are said to be whole, too */
+    int tells_fresh; /* the plane lies a slice deeper where a frame is marked SV_FRAME_DISCONTINUITY */
     int fails_by; /* how it fails where it is told to; all but an error only a process of its own survives */
     int confidence; /* smartvis.confidence/1, from 0 at the left to 1 at the right, and its faults */
 } variant;
@@ -63,6 +64,7 @@ static const variant variants[] = {
     {"begin_77", .begin = 77},
     {"note_early", .begin = SV_PARTIAL},
     {"by_crash", .fails_by = FAIL_BY_CRASH},
+    {"fresh_told", .fails_by = FAIL_BY_CRASH, .tells_fresh = 1},
     {"by_hang", .fails_by = FAIL_BY_HANG},
     {"by_leave", .fails_by = FAIL_BY_LEAVING},
     {"confidence_ramp", .confidence = CONFIDENCE_RAMP},
@@ -180,9 +182,11 @@ static uint32_t columns(const sva *a) {
 static sv_status plane_finish(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
     const plane *p = a->own;
     const float slope = sva_value(a, PARAM_SHAPE) != 0 ? 1.0f : 0.0f;
+    const int fresh = self()->tells_fresh && (a->frame.flags & SV_FRAME_DISCONTINUITY);
+    const float depth_here = (float)sva_value(a, PARAM_DEPTH) + (fresh ? 1.0f : 0.0f);
     for (uint32_t y = 0; y < a->format.height; y++)
         for (uint32_t x = 0; x < columns(a); x++)
-            p->map[(size_t)y * a->format.width + x] = (float)sva_value(a, PARAM_DEPTH) + slope * (float)x;
+            p->map[(size_t)y * a->format.width + x] = depth_here + slope * (float)x;
     return fail_here(a, FAIL_END);
 }
 

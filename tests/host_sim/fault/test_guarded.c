@@ -260,6 +260,27 @@ static void a_crash_costs_its_frame(void **state) {
     }
 }
 
+/* What a new child never saw is no frame before: the first one that it gets says so, and the next does not.
+ */
+static void a_new_process_is_told_that_it_is_new(void **state) {
+    const fixture *f = *state;
+    hs_plugin plugin;
+    hs_guard_options on = guard_of(HS_GUARD_ON);
+    on.restarts = 5;
+    open_with(&plugin, "tests/plugins/fresh_told.so", &on);
+    const sv_param_value values[3] = {
+        {.id = FAIL, .value = FAIL_SLAB}, {.id = EVERY, .value = 3}, {.id = DEPTH, .value = 5}};
+    const hs_loop_options o = options_with(values, 3);
+    hs_loop *loop = make_loop_of(f, &plugin, &o);
+    for (uint32_t i = 0; i < 6; i++) {
+        const hs_view view = view_of(loop, i);
+        assert_int_equal(view.maps.frame.clipped, i % 3 != 0);
+        if (i % 3 != 0) assert_true(view.maps.depth[7] == (i % 3 == 1 ? 6.0f : 5.0f));
+    }
+    end_loop(loop);
+    must_not(hs_guarded_close(&plugin, &err), HS_ERR_PLUGIN, "");
+}
+
 static void restarts_are_bounded(void **state) {
     const fixture *f = *state;
     hs_plugin plugin;
@@ -322,4 +343,4 @@ static int set_up_crashes(void **state) {
 
 UNIT_MAIN(set_up_crashes, tear_down, every_way_gives_the_same_bits, parameters_tell_the_same,
           extensions_reach_through, what_a_plugin_can_do_is_the_same, a_crash_costs_its_frame,
-          restarts_are_bounded, an_error_is_an_error, who_is_guarded)
+          a_new_process_is_told_that_it_is_new, restarts_are_bounded, an_error_is_an_error, who_is_guarded)

@@ -103,5 +103,19 @@ for id in forks forks_session; do
     [ -z "$left" ] || complain "$id leaves processes behind: $left"
 done
 
+# Nor does a plugin's process that hangs in a call outlive a host that is killed.
+SV_TEST_RUN=$work/killed "$build/host_sim" run "${small[@]}" --plugin "$build/wrong/hang_in_end.so" --guard-time 300,300 --out "$work/out" \
+    > /dev/null 2>&1 &
+host=$!
+left() { grep -lsz "^SV_TEST_RUN=$work/killed" /proc/[0-9]*/environ; }
+has_child() { [ "$(left | wc -l)" -ge 2 ]; }
+for ((n = 0; n < 300; n++)); do has_child && break || sleep 0.1; done
+has_child || complain "hang_in_end: it has no process"
+sleep 1 # into the call
+kill -9 $host
+wait $host 2> /dev/null
+for ((n = 0; n < 100; n++)); do [ -n "$(left)" ] && sleep 0.1 || break; done
+[ -z "$(left)" ] || complain "hang_in_end outlives its host: $(left)"
+
 [ $failed = 0 ] && echo "$ids plugins: none crashes or hangs the guarded host"
 exit $failed
