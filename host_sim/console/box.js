@@ -2,7 +2,6 @@
 /* The render box: what lies outside of it counts as not scanned. Its sides are dragged in the slices. */
 "use strict";
 
-const BOX_INSET = 0.1; /* of the volume's length, at first */
 const BOX_LEAST = 0.05; /* of it, between two sides */
 const BOX_NEAR = 0.05; /* of the picture, that a hand may be beside a side */
 
@@ -69,8 +68,7 @@ function dragBox(view, place, pressed) {
 
 function toggleBox() {
   if (!lastFigures) return;
-  const long = lastFigures.source.middle.map((mm) => 2 * mm);
-  const ends = [BOX_INSET, 1 - BOX_INSET].flatMap((share) => long.map((mm) => Number((share * mm).toFixed(1))));
+  const ends = [0, 2].flatMap((times) => lastFigures.source.middle.map((mm) => Number((times * mm).toFixed(1))));
   state.box = state.box.length ? [] : ends;
   if (state.box.length && !showsSlices()) setLayout("quad");
   drawBox();

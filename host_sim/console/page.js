@@ -255,9 +255,14 @@ function showSettings() {
   buildControls();
 }
 
+function leaveTool() {
+  if (brush.on) chooseBrush(brush.on);
+  if (measured.on) measure(false);
+}
+
 function onKey(event) {
   const where = event.target;
-  if (event.key === "Escape") closeNotice();
+  if (event.key === "Escape") at("notice").hidden ? leaveTool() : closeNotice();
   if (event.altKey || where.matches("input[type=number], input[type=text], textarea, select")) return;
   if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
     event.preventDefault();

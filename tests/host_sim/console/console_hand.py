@@ -9,6 +9,7 @@ from console_client import holds
 from console_look import a_page, settle
 
 BUILD = sys.argv[1]
+ESCAPE = "\ue00c"
 SIZES = ((390, 844), (768, 1024), (1280, 800), (1440, 900))
 # What each layout shows, and how wide the result is at least at each size.
 LAYOUTS = {"quad": (["result", "across", "along", "deep"], (370, 540, 540, 640)),
@@ -80,6 +81,43 @@ def the_result_is_large(b, at, what):
     b.run("scrollTo(0, 0)")
 
 
+# What is pressed and is less than 24 pixels wide or high (WCAG 2.2, 2.5.8): a control, or the label that it stands in.
+SMALL = """
+    document.querySelectorAll('details').forEach((fold) => { fold.open = true; });
+    const small = [...document.querySelectorAll('button, input, select, summary, textarea')].filter((e) => e.checkVisibility({ visibilityProperty: true })).filter((e) => {
+        const [a, b] = [e, e.closest('label') || e].map((one) => one.getBoundingClientRect());
+        return Math.max(a.width, e.type === 'checkbox' ? b.width : 0) < 24 || Math.max(a.height, e.type === 'checkbox' ? b.height : 0) < 24;
+    }).map((e) => e.outerHTML.slice(0, 80));
+    document.querySelectorAll('details').forEach((fold) => { fold.open = false; });
+    return small;"""
+
+
+def escape_leaves_a_tool(b):
+    """A message first, then the tool; what was begun with it is nothing."""
+    for tool, pressed in (("e", "remove"), ("k", "keep"), ("l", "lamp"), ("m", "measure")):
+        b.run("at('notice').hidden || closeNotice(); document.activeElement.blur()")
+        b.keys("body", tool)
+        b.run("notice('A message', false)")
+        for wanted in ("true", "false"):
+            holds(b.run("return at(arguments[0]).ariaPressed", pressed) == wanted or wanted == "false", f"{tool}: {pressed} is not taken")
+            b.press(ESCAPE)
+            holds(b.run("return at('notice').hidden"), "Escape does not close a message")
+            holds(b.run("return at(arguments[0]).ariaPressed", pressed) == wanted, f"Escape: {pressed} is not {wanted}")
+
+
+def in_a_users_own_colours(b):
+    """Where forced colours hold, legends and what is pressed still have theirs."""
+    colours = """return [...document.querySelectorAll('.key, .legend .colours')].map((e) => [getComputedStyle(e).backgroundColor, getComputedStyle(e).backgroundImage].join())"""
+    before = b.run("viewOf('depthmap'); look.third = 'depthmap'; setLayout('all'); " + colours, then="the depthmap")
+    b.devtools("Emulation.setEmulatedMedia", features=[{"name": "forced-colors", "value": "active"}])
+    after = b.run(colours)
+    pressed = b.run("at('lamp').click(); const c = ['lamp', 'box'].map((id) => getComputedStyle(at(id)).backgroundColor); at('lamp').click(); return c")
+    b.devtools("Emulation.setEmulatedMedia", features=[])
+    holds(after == before and len(set(after)) > 4, f"in forced colours legends are {after}")
+    holds(pressed[0] != pressed[1], f"what is pressed looks as what is not: {pressed}")
+    b.run("look.third = 'truth'; setLayout('quad')", then="the quad layout")
+
+
 class Hand:
     """The mouse at places of the screen, which stay where they are whatever the page does: pixels from where a picture's middle was."""
 
@@ -145,7 +183,10 @@ def main():
             nothing_moves(b, what)
             paints(b, what)
             drags_and_measures(b, what)
+            holds(b.run(SMALL) == [], f"{what}: too small to press: {b.run(SMALL)}")
             holds(b.run("return document.documentElement.scrollWidth") <= wide, f"{what}: the page is wider")
+        escape_leaves_a_tool(b)
+        in_a_users_own_colours(b)
     print("ok")
 
 
