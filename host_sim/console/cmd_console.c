@@ -13,6 +13,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <time.h>
+#include <unistd.h>
 
 #define MAX_LIBRARIES 16u
 #define GRACE_S       30.0 /* after the last page: it may load again, or its network be back */
@@ -83,17 +84,21 @@ static bool offer_plugins(console_line *line, hs_error *err) {
 
 static volatile sig_atomic_t stopped;
 
+/* A second signal ends the program at once: by itself, since the first process of a container has no signal
+ * that ends it. */
 static void stop(int number) {
-    (void)number;
+    if (stopped) _exit(128 + number);
     stopped = 1;
 }
 
-/* A second signal ends the program at once. */
+/* A terminal that has gone ends it as well, unless whoever started it has it ignored (nohup). */
 static void watch_signals(void) {
-    struct sigaction action = {.sa_handler = stop, .sa_flags = (int)SA_RESETHAND};
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    struct sigaction action = {.sa_handler = stop}, before;
     (void)sigemptyset(&action.sa_mask);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (numbers[i] != SIGHUP || sigaction(SIGHUP, NULL, &before) != 0 || before.sa_handler != SIG_IGN)
+            (void)sigaction(numbers[i], &action, NULL);
 }
 
 static void wait_for_end(hs_console_server *server, bool stay) {
@@ -110,9 +115,9 @@ static void wait_for_end(hs_console_server *server, bool stay) {
 
 static bool serve(console_line *line, hs_error *err) {
     char address[256];
+    watch_signals();
     if (!offer_plugins(line, err)) return false;
     hs_console_drop_open(&line->shared.files);
-    watch_signals();
     hs_console_server *server = hs_console_server_open(&line->shared, &line->address, err);
     if (!server) return false;
     hs_console_server_address(server, address, sizeof address);

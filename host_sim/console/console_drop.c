@@ -12,10 +12,69 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 enum { PART = 1 << 18, NAME = 200, SAME_NAME = 100 };
+
+#define PREFIX "host_sim_console_"
+
+/* Removes a folder by name, and the files in it, which `fd` has open. */
+static void remove_folder(int fd, int parent, const char *name) {
+    const int again = dup(fd);
+    DIR *all = again >= 0 ? fdopendir(again) : NULL;
+    if (all) rewinddir(all);
+    for (const struct dirent *one; all && (one = readdir(all)) != NULL;)
+        (void)unlinkat(fd, one->d_name, 0); /* "." and ".." stay */
+    if (all)
+        (void)closedir(all);
+    else if (again >= 0)
+        (void)close(again);
+    (void)unlinkat(parent, name, AT_REMOVEDIR);
+}
+
+/* Whether a name is that of a folder of copies: the prefix and a token. */
+static bool is_drop_name(const char *name) {
+    const size_t front = sizeof PREFIX - 1;
+    return strncmp(name, PREFIX, front) == 0 && strlen(name + front) == HS_CONSOLE_TOKEN - 1 &&
+           strspn(name + front, "0123456789abcdef") == HS_CONSOLE_TOKEN - 1;
+}
+
+/* A folder of the user's own, locked; -1: it is none, or somebody holds it. The lock goes with its process,
+ * however that ends. */
+static int lock_folder(int parent, const char *name) {
+    struct stat what;
+    const int fd = openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (fd >= 0 && fstat(fd, &what) == 0 && what.st_uid == geteuid() && flock(fd, LOCK_EX | LOCK_NB) == 0)
+        return fd;
+    if (fd >= 0) (void)close(fd);
+    return -1;
+}
+
+static void sweep(const char *where) {
+    DIR *all = opendir(where);
+    for (const struct dirent *one; all && (one = readdir(all)) != NULL;) {
+        const int fd = is_drop_name(one->d_name) ? lock_folder(dirfd(all), one->d_name) : -1;
+        if (fd < 0) continue;
+        remove_folder(fd, dirfd(all), one->d_name);
+        (void)close(fd);
+    }
+    if (all) (void)closedir(all);
+}
+
+/* Makes the folder and holds it; -1: neither. Another console that starts may sweep it before it is locked.
+ */
+static int make_folder(const char *folder) {
+    struct stat what;
+    for (int n = 0; n < 3; n++) {
+        (void)mkdir(folder, 0700); /* nobody else knows its name */
+        const int fd = lock_folder(AT_FDCWD, folder);
+        if (fd >= 0 && stat(folder, &what) == 0) return fd;
+        if (fd >= 0) (void)close(fd);
+    }
+    return -1;
+}
 
 void hs_console_drop_open(hs_console_files *files) {
     char token[HS_CONSOLE_TOKEN], real[PATH_MAX], folder[PATH_MAX + 64];
@@ -23,20 +82,22 @@ void hs_console_drop_open(hs_console_files *files) {
     const char *const where = getenv("TMPDIR");
     if (!hs_console_make_token(token, &ignored) || !realpath(where && where[0] ? where : "/tmp", real))
         return;
-    (void)snprintf(folder, sizeof folder, "%s/host_sim_console_%s", real, token);
+    sweep(real);
+    (void)snprintf(folder, sizeof folder, "%s/" PREFIX "%s", real, token);
     files->folder[files->count] = strdup(folder);
-    files->drops = files->folder[files->count] != NULL;
-    files->count += files->drops;
+    files->drop_fd = files->folder[files->count] ? make_folder(folder) : -1;
+    files->drops = files->drop_fd >= 0;
+    if (files->drops)
+        files->count++;
+    else
+        free(files->folder[files->count]);
 }
 
-void hs_console_drop_close(const hs_console_files *files) {
+void hs_console_drop_close(hs_console_files *files) {
     if (!files->drops) return;
-    const char *const folder = files->folder[files->count - 1];
-    DIR *all = opendir(folder);
-    for (const struct dirent *one; all && (one = readdir(all)) != NULL;)
-        (void)unlinkat(dirfd(all), one->d_name, 0); /* "." and ".." stay */
-    if (all) (void)closedir(all);
-    (void)rmdir(folder);
+    remove_folder(files->drop_fd, AT_FDCWD, files->folder[files->count - 1]);
+    (void)close(files->drop_fd);
+    files->drops = false;
 }
 
 /* A new file by the name of the dropped one, as far as that may be a file's; -1: there is none. */
@@ -79,7 +140,6 @@ bool hs_console_drop_take(const hs_console_files *files, const char *given, uint
     if (length > NAME || (strcasecmp(ending, ".mha") != 0 && strcasecmp(ending, ".vol") != 0))
         return hs_fail(err, HS_ERR_INPUT, "%.60s: only .mha and .vol can be dropped.", given);
     if (!files->drops) return hs_fail(err, HS_ERR_OUTPUT, "%s: the console has no folder for it.", given);
-    (void)mkdir(files->folder[files->count - 1], 0700); /* nobody else knows its name */
     const int made = make_file(files->folder[files->count - 1], given, name, path);
     FILE *file = made >= 0 ? fdopen(made, "wb") : NULL;
     if (!file) return hs_fail(err, HS_ERR_OUTPUT, "%s: no copy can be made: %s.", given, strerror(errno));

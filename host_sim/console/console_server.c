@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "console/console.h"
 
+#include "core/progress.h"
 #include "core/text.h"
 #include "hs_page_css.h"
 #include "hs_page_html.h"
@@ -14,10 +15,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 
 #define SERVED          128 /* connections at a time: a thread each, which costs 16 KiB */
 #define TEXT_OF(number) #number
 #define AS_TEXT(number) TEXT_OF(number)
+#define DROP_PART_S     30.0 /* for 256 KiB of a file, if another one waits */
 enum { MAX_IDLE = 64, MAX_FILES = 1024, MAX_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
 
 /* A connection that is no page. */
@@ -35,9 +38,10 @@ struct hs_console_server {
     pthread_mutex_t lock; /* of what follows, and held until the server has started */
     uint32_t port;
     uint32_t pages, ever;
-    uint64_t turns;   /* connections so far */
-    uint64_t dropped; /* bytes that pages have dropped */
-    bool dropping;
+    uint64_t turns;                      /* connections so far */
+    uint64_t dropped;                    /* bytes that pages have dropped */
+    const struct mg_connection *dropper; /* whose file comes; NULL: none does */
+    double drop_due;                     /* until then it has its place, also if another one comes */
     guest guests[SERVED];
 };
 
@@ -64,11 +68,15 @@ static bool is_socket_of(int socket, const struct mg_request_info *request) {
 
 /* Ends the wait of the thread that serves it. The lock is held, and end_guest waits for it before the library
  * closes the socket: so no other file can have its number. */
-static void give_up(guest *one) {
-    const struct mg_request_info *request = mg_get_request_info(one->connection);
+static void shut(const struct mg_connection *c) {
+    const struct mg_request_info *request = mg_get_request_info(c);
     int socket = 0;
     while (request && socket < MAX_FILES && !is_socket_of(socket, request)) socket++;
     if (request && socket < MAX_FILES) (void)shutdown(socket, SHUT_RDWR);
+}
+
+static void give_up(guest *one) {
+    shut(one->connection);
     one->connection = NULL;
 }
 
@@ -148,24 +156,44 @@ static bool is_our_page(const hs_console_server *server, const struct mg_connect
            hs_console_token_fits(mg_get_request_info(c)->query_string, server->token);
 }
 
+/* A part, for which there was time. */
 static int receive(void *connection, void *out, size_t bytes) {
-    return mg_read(connection, out, bytes);
+    hs_console_server *server = mg_get_user_data(mg_get_context(connection));
+    const int came = mg_read(connection, out, bytes);
+    (void)pthread_mutex_lock(&server->lock);
+    server->drop_due = hs_now() + DROP_PART_S;
+    (void)pthread_mutex_unlock(&server->lock);
+    return came;
 }
 
-/* One at a time, and no more than there is room for. A page may be slow: its place is not given up. */
+/* Takes the place from a page that sends no whole part in time. The lock is held, but while this waits. */
+static void take_place(hs_console_server *server) {
+    static const struct timespec pause = {.tv_nsec = 20000000};
+    if (!server->dropper || hs_now() < server->drop_due) return;
+    shut(server->dropper);
+    for (int n = 0; server->dropper && n < 100; n++) {
+        (void)pthread_mutex_unlock(&server->lock);
+        (void)nanosleep(&pause, NULL);
+        (void)pthread_mutex_lock(&server->lock);
+    }
+}
+
+/* One at a time, and no more than there is room for. A page may be slow, as long as no other one waits. */
 static bool begin_drop(hs_console_server *server, const struct mg_connection *c, uint64_t bytes) {
     (void)pthread_mutex_lock(&server->lock);
-    const bool ok = !server->dropping && bytes <= HS_CONSOLE_DROP_BYTES - server->dropped;
+    take_place(server);
+    const bool ok = !server->dropper && bytes <= HS_CONSOLE_DROP_BYTES - server->dropped;
     guest *one = guest_of(server, c);
     if (ok && one) one->connection = NULL;
-    server->dropping |= ok;
+    if (ok) server->dropper = c;
+    if (ok) server->drop_due = hs_now() + DROP_PART_S;
     (void)pthread_mutex_unlock(&server->lock);
     return ok;
 }
 
 static void end_drop(hs_console_server *server, uint64_t bytes) {
     (void)pthread_mutex_lock(&server->lock);
-    server->dropping = false;
+    server->dropper = NULL;
     server->dropped += bytes;
     (void)pthread_mutex_unlock(&server->lock);
 }
@@ -272,6 +300,9 @@ static bool take_address(hs_console_server *server, const hs_console_address *ad
     static const uint8_t one[16] = {[15] = 1};
     if (!four && !six)
         return hs_fail(err, HS_ERR_USAGE, "--listen: '%s' is no address of IPv4 or IPv6", listen);
+    if (six && !mg_check_feature(MG_FEATURES_IPV6))
+        return hs_fail(err, HS_ERR_USAGE, "--listen %s: this machine's web server, libcivetweb, has no IPv6",
+                       listen);
     server->loopback = four ? bytes[0] == 127 : memcmp(bytes, one, sizeof one) == 0;
     (void)snprintf(server->host, sizeof server->host, six ? "[%s]" : "%s", listen);
     return true;

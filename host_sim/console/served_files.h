@@ -19,7 +19,8 @@ enum {
 typedef struct {
     char *folder[HS_CONSOLE_FOLDERS + 1];
     uint32_t count;
-    bool drops; /* the last folder is that of hs_console_drop_open */
+    bool drops;  /* the last folder is that of hs_console_drop_open */
+    int drop_fd; /* of that folder, open and locked as long as it is in use */
 } hs_console_files;
 
 /* Adds a folder. HS_ERR_INPUT if there is none of that name, HS_ERR_USAGE beyond HS_CONSOLE_FOLDERS. */
@@ -44,11 +45,12 @@ bool hs_console_files_find(const hs_console_files *files, uint32_t folder, const
 
 #define HS_CONSOLE_DROP_BYTES (UINT64_C(2) << 30) /* of all copies of a console */
 
-/* Names the folder, which is the last one of `files` and is made for the first file. */
+/* Makes the folder, which is the last one of `files`. Removes those that consoles have left which ended
+ * without a word: nobody holds their lock. */
 void hs_console_drop_open(hs_console_files *files);
 
 /* Removes the folder and what is in it. */
-void hs_console_drop_close(const hs_console_files *files);
+void hs_console_drop_close(hs_console_files *files);
 
 /* Reads up to `bytes` bytes that a page sends; 0 or less: no more come. */
 typedef int (*hs_console_receive)(void *connection, void *out, size_t bytes);

@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 
 from console_client import Console, Page, holds
@@ -69,6 +70,88 @@ def how_it_ends():
         stays.end()
 
 
+def dropped(console, name, data, length=None):
+    """A connection on which a page has begun to drop a file."""
+    one = socket.create_connection((console.host, console.port), timeout=60)
+    one.sendall(f"POST /drop?t={console.token}&name={name} HTTP/1.1\r\nHost: {console.place}\r\nOrigin: http://{console.place}\r\n"
+                f"Content-Length: {length or len(data)}\r\n\r\n".encode() + data)
+    return one
+
+
+def drop(console, name):
+    with dropped(console, name, b"a patient's volume") as one:
+        return one.recv(4096)
+
+
+def copies_go():
+    """Copies go with their console, also when its terminal has gone; those of one that was killed go when another one starts, and
+    no others."""
+    with tempfile.TemporaryDirectory() as work:
+        os.environ["TMPDIR"] = work
+        killed, held, ended, later = Console(BUILD, PLUGINS), Console(BUILD, PLUGINS), Console(BUILD, PLUGINS), None
+        try:
+            for console in (killed, held, ended):
+                said = drop(console, "a.mha")
+                holds(said.startswith(b"HTTP/1.1 200"), f"a file is not taken: {said}")
+            holds(len(os.listdir(work)) == 3, f"copies: {os.listdir(work)}")
+            ended.process.send_signal(signal.SIGHUP)
+            holds(ended.wait(30) == 0 and len(os.listdir(work)) == 2, f"SIGHUP leaves {os.listdir(work)}")
+            killed.process.kill()
+            killed.wait(30)
+            others = ["host_sim_console_" + "0" * 31, "host_sim_console_" + "g" * 32, "host_sim_console_" + "1" * 32]
+            for other in others[:2]:
+                os.mkdir(os.path.join(work, other))
+            os.mkdir(os.path.join(work, "elsewhere"))
+            with open(os.path.join(work, "elsewhere", "kept"), "w"):
+                pass
+            os.symlink("elsewhere", os.path.join(work, others[2]))
+            later = Console(BUILD, PLUGINS)
+            found = [name for name in os.listdir(work) if name not in [*others, "elsewhere"]]
+            holds(len(found) == 2 and sorted(len(os.listdir(os.path.join(work, name))) for name in found) == [0, 1], f"after a start there are {found}")
+            holds(set(others) < set(os.listdir(work)) and os.listdir(os.path.join(work, "elsewhere")) == ["kept"], f"what is no console's: {os.listdir(work)}")
+        finally:
+            for console in filter(None, (killed, held, ended, later)):
+                console.end()
+            del os.environ["TMPDIR"]
+
+
+def a_slow_sender():
+    """Who sends a byte now and then has the one place until another page wants it, half a minute later at the earliest."""
+    console = Console(BUILD, PLUGINS)
+    try:
+        with dropped(console, "slow.mha", b"x", 10 ** 6) as slow:
+            began = time.monotonic()
+            said = drop(console, "early.mha")
+            holds(said.startswith(b"HTTP/1.1 413") or time.monotonic() - began > 25, f"two files at a time: {said}")
+            while time.monotonic() - began < 31:
+                slow.sendall(b"x")
+                time.sleep(1)
+            said = drop(console, "next.mha")
+            holds(said.startswith(b"HTTP/1.1 200"), f"the next file is not taken: {said}")
+        console.interrupt()
+        holds(console.wait(60) == 0, "it does not end")
+    finally:
+        console.end()
+
+
+def as_the_first_process():
+    """In a container nobody else's signals end the first process: one ends the console, and a second one ends it at once."""
+    command = ["unshare", "--pid", "--fork", "--mount-proc", "--kill-child", os.path.join(BUILD, "host_sim"), "console", *PLUGINS, "--stay"]
+    if subprocess.run(["unshare", "--pid", "--fork", "--mount-proc", "true"], capture_output=True, check=False).returncode != 0:
+        return print("not tried as the first process: no namespaces here")
+    outer = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        outer.stdout.readline()
+        with open(f"/proc/{outer.pid}/task/{outer.pid}/children") as children:
+            console = int(children.read().split()[0])
+        os.kill(console, signal.SIGTERM)
+        holds(outer.wait(30) == 0, "SIGTERM does not end it")
+    finally:
+        outer.kill()
+        outer.wait()
+        outer.stdout.close()
+
+
 def many_pages_leave_little():
     """What worked for a page that has closed is gone with it, at night sixty times: the threads' memory, too."""
     console = Console(BUILD, [*PLUGINS, "--stay"])
@@ -91,6 +174,9 @@ def main():
     command_lines()
     who_comes_early()
     how_it_ends()
+    copies_go()
+    a_slow_sender()
+    as_the_first_process()
     many_pages_leave_little()
     print("ok")
 
