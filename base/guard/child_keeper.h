@@ -12,6 +12,3 @@
 
 /* The worker's id, which the keeper tells on the line; 0: not yet. */
 pid_t hs_child_worker(int line);
-
-/* Ends what a child has left behind; it must have been collected. */
-void hs_child_end_leftovers(pid_t pid);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "guard/child_keeper.h"
 
+#include "guard/child_living.h"
 #include "guard/child_system.h"
 
 #include <fcntl.h>
@@ -9,6 +10,7 @@
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -73,8 +75,13 @@ static void be_worker(pid_t keeper, const sigset_t *before) {
     (void)sigprocmask(SIG_SETMASK, before, NULL);
 }
 
-void hs_child_settle(void) {
-    const int line = (int)hs_child_handle(1);
+bool hs_child_is_channel(intptr_t handle) {
+    struct stat facts;
+    return fstat((int)handle, &facts) == 0 && S_ISSOCK(facts.st_mode);
+}
+
+void hs_child_settle(intptr_t handle) {
+    const int line = (int)handle;
     const pid_t keeper = getpid();
     sigset_t news, before;
     (void)prctl(PR_SET_CHILD_SUBREAPER, 1);

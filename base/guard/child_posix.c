@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "guard/child_keeper.h"
+#include "guard/child_living.h"
 #include "guard/child_system.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
-#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,90 +16,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define MAX_CHILDREN 64
-#define MAX_LOOKS    100 /* for strays, however fast they multiply */
-#define CHANNEL      3   /* its descriptor in the child; what is passed comes behind it */
-#define MAX_HANDED   (HS_CHILD_MAX_PASSED + 2u) /* the channel, what is passed, and the line */
+#define CHANNEL    3 /* its descriptor in the child; what is passed comes behind it */
+#define MAX_HANDED (HS_CHILD_MAX_PASSED + 2u) /* the channel, what is passed, and the line */
 /* Descriptors are moved up there first, so that none lands on another. */
 #define ABOVE_HANDED (CHANNEL + (int)MAX_HANDED)
-
-/* ------------------------------------------------------------------------------------ what it leaves -- */
-
-/* The children that have not been collected yet. Whoever starts one, or looks for strays, holds the lock. */
-static pid_t living[MAX_CHILDREN];
-static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
-
-static bool replace_living(pid_t from, pid_t to) {
-    for (size_t i = 0; i < MAX_CHILDREN; i++) {
-        if (living[i] != from) continue;
-        living[i] = to;
-        return true;
-    }
-    return false;
-}
-
-/* fork for a child of which all descendants can be found: orphans of it stay below it, and come to this
- * process when it has ended. */
-static pid_t fork_child(void) {
-    (void)pthread_mutex_lock(&starting);
-    (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
-    const bool room = replace_living(0, -1);
-    const pid_t pid = room ? fork() : -1;
-    const int reason = room ? errno : EAGAIN;
-    if (pid == 0) {
-        memset(living, 0, sizeof living);
-        (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
-    } else if (room) {
-        (void)replace_living(-1, pid > 0 ? pid : 0);
-    }
-    (void)pthread_mutex_unlock(&starting);
-    errno = reason;
-    return pid;
-}
-
-/* A line of /proc about a process; "" if there is none. */
-static void read_proc(long pid, const char *what, char *text, size_t bytes) {
-    char path[64];
-    (void)snprintf(path, sizeof path, "/proc/%ld/%s", pid, what);
-    const int file = open(path, O_RDONLY | O_CLOEXEC);
-    const ssize_t length = file < 0 ? 0 : read(file, text, bytes - 1);
-    if (file >= 0) (void)close(file);
-    text[length > 0 ? length : 0] = '\0';
-}
-
-/* True for an orphan of a child that has ended. What others start in this process has the process's group. */
-static bool is_stray(long pid) {
-    char text[512];
-    int parent = 0, group = 0;
-    read_proc(pid, "stat", text, sizeof text);
-    const char *name_end = strrchr(text, ')');
-    return name_end && sscanf(name_end + 1, " %*c %d %d", &parent, &group) == 2 && parent == getpid() &&
-           group != getpgrp() && !replace_living((pid_t)pid, (pid_t)pid);
-}
-
-/* Ends the strays of one look. What these had started are strays then. False: there were none. */
-static bool end_strays(void) {
-    DIR *all = opendir("/proc");
-    bool found = false;
-    for (const struct dirent *entry; all && (entry = readdir(all));) {
-        const long pid = strtol(entry->d_name, NULL, 10);
-        if (pid <= 0 || !is_stray(pid)) continue;
-        (void)kill((pid_t)pid, SIGKILL);
-        (void)waitpid((pid_t)pid, NULL, 0);
-        found = true;
-    }
-    if (all) (void)closedir(all);
-    return found;
-}
-
-void hs_child_end_leftovers(pid_t pid) {
-    (void)kill(-pid, SIGKILL);
-    (void)pthread_mutex_lock(&starting);
-    (void)replace_living(pid, 0);
-    for (int looks = 0; looks < MAX_LOOKS && end_strays(); looks++) {
-    }
-    (void)pthread_mutex_unlock(&starting);
-}
 
 /* ------------------------------------------------------------------------------------ in the child -- */
 
@@ -163,7 +82,7 @@ static bool launch(hs_child *child, const char *program, char *const argv[], con
                    uint32_t count, int output, hs_error *err) {
     int report[2], reason = 0;
     if (pipe2(report, O_CLOEXEC) != 0) return refuse("no pipe", err);
-    const pid_t pid = fork_child();
+    const pid_t pid = hs_child_fork();
     if (pid == 0) {
         prepare_child();
         become(program, argv, handed, count, output, report[1]);
@@ -241,7 +160,7 @@ uint64_t hs_process_memory(hs_child *child) {
     char text[128];
     unsigned long long resident = 0, shared = 0;
     if (child->job == 0) child->job = hs_child_worker((int)child->bell);
-    read_proc(child->job ? child->job : child->process, "statm", text, sizeof text);
+    hs_child_read_proc(child->job ? child->job : child->process, "statm", text, sizeof text);
     if (sscanf(text, "%*u %llu %llu", &resident, &shared) != 2 || resident < shared) return 0;
     return (uint64_t)(resident - shared) * (uint64_t)sysconf(_SC_PAGESIZE);
 }
@@ -283,11 +202,6 @@ void hs_process_tell_crash(int number, char *out, size_t bytes) {
 }
 
 /* ------------------------------------------------------------------------------------ being a child -- */
-
-bool hs_child_is_channel(intptr_t handle) {
-    struct stat facts;
-    return fstat((int)handle, &facts) == 0 && S_ISSOCK(facts.st_mode);
-}
 
 bool hs_child_send(intptr_t channel, const void *message, size_t bytes) {
     ssize_t sent;

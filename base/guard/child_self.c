@@ -41,7 +41,7 @@ bool hs_child_take(int *argc, char **argv) {
     if (*argc < 2 || !read_mark(argv[*argc - 1])) return false;
     argv[--*argc] = NULL;
     sys_end_at_fault();
-    hs_child_settle();
+    hs_child_settle(hs_child_handle(1));
     return true;
 }
 

@@ -263,7 +263,9 @@ bool hs_child_is_channel(intptr_t handle) {
     return GetFileType((HANDLE)handle) == FILE_TYPE_PIPE;
 }
 
-void hs_child_settle(void) {}
+void hs_child_settle(intptr_t line) {
+    (void)line;
+}
 
 bool hs_child_send(intptr_t channel, const void *message, size_t bytes) {
     DWORD sent = 0;
