@@ -5,7 +5,8 @@
  *
  * The order is: GPUs, then CPUs, then all others, each as the platforms list them. The environment variable
  * SMARTVIS_DEVICE, "cpu" or "gpu", leaves the others out; unset or empty it leaves out none. The first device
- * that can be opened is taken.
+ * that can be opened is taken. PoCL's are left out where its kernel cache takes nothing, and the process
+ * keeps its signal handlers, which a runtime takes when it is asked for devices (smartvis/author_runtime.h).
  */
 #ifndef SMARTVIS_DEVICE_H
 #define SMARTVIS_DEVICE_H
@@ -14,6 +15,7 @@
 #error "include <CL/cl.h> with CL_TARGET_OPENCL_VERSION 120 or later before smartvis/device.h"
 #endif
 
+#include "smartvis/author_runtime.h"
 #include "smartvis_plugin.h"
 
 #include <stdio.h>
@@ -22,7 +24,7 @@
 
 SMARTVIS_BEGIN_C
 
-enum { SV_DEVICES_PLATFORMS = 16, SV_DEVICES_MAX = 32, SV_DEVICES_TEXT_BYTES = 500 };
+enum { SV_DEVICES_PLATFORMS = 16, SV_DEVICES_MAX = 32, SV_DEVICES_TEXT_BYTES = 1000 };
 
 typedef struct sv_devices {
     uint32_t count;
@@ -114,12 +116,21 @@ static inline void sv_devices_tell_(sv_devices *d, const char *wish, cl_uint pla
         sv_devices_code(code), (int)code, places);
 }
 
+/* Internal: true if what a platform's devices compile cannot be kept; d->why says so. */
+static inline int sv_devices_cannot_compile_(sv_devices *d, cl_platform_id platform) {
+    char name[100];
+    memset(name, 0, sizeof name);
+    (void)clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, NULL);
+    return sva_cache_problem(name, d->why, sizeof d->why);
+}
+
 /* Finds the devices there are. Returns how many; if 0, out->why says why. */
 static inline uint32_t sv_devices_find(sv_devices *out) {
     static const cl_device_type order[] = {CL_DEVICE_TYPE_GPU, CL_DEVICE_TYPE_CPU, CL_DEVICE_TYPE_ALL};
     cl_platform_id platforms[SV_DEVICES_PLATFORMS];
     cl_uint count = 0;
     cl_int code = CL_SUCCESS;
+    sva_handlers host;
     const char *wish = getenv("SMARTVIS_DEVICE");
     memset(out, 0, sizeof *out);
     if (!wish) wish = "";
@@ -132,9 +143,14 @@ static inline uint32_t sv_devices_find(sv_devices *out) {
     code = clGetPlatformIDs(SV_DEVICES_PLATFORMS, platforms, &count);
     if (code != CL_SUCCESS) count = 0;
     if (count > SV_DEVICES_PLATFORMS) count = SV_DEVICES_PLATFORMS;
+    sva_handlers_keep(&host);
     for (int type = cpu; type < (gpu ? 1 : cpu ? 2 : 3); type++)
-        for (cl_uint i = 0; i < count; i++) code = sv_devices_add_(out, platforms[i], order[type]);
-    if (out->count == 0) sv_devices_tell_(out, wish, count, code);
+        for (cl_uint i = 0; i < count; i++)
+            if (!sv_devices_cannot_compile_(out, platforms[i]))
+                code = sv_devices_add_(out, platforms[i], order[type]);
+    sva_handlers_put_back(&host);
+    if (out->count > 0) out->why[0] = '\0';
+    if (out->count == 0 && !out->why[0]) sv_devices_tell_(out, wish, count, code);
     return out->count;
 }
 

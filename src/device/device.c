@@ -7,19 +7,26 @@
 
 enum { NAME_BYTES = 128 };
 
-/* Runtimes whose compiler is known to abort on these kernels, and the host with it. */
-static sv_status check_runtime(sv_diag *diag, cl_device_id device) {
-    cl_platform_id platform = NULL;
-    char name[NAME_BYTES] = "";
-    cl_int code = clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, (void *)&platform, NULL);
-    if (code == CL_SUCCESS) code = clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, NULL);
+/* What would end the host while kernels are compiled: a cache that cannot take them, and runtimes whose
+ * compiler is known to abort on these. */
+static sv_status check_platform(sv_diag *diag, cl_platform_id platform) {
+    char name[NAME_BYTES] = "", problem[SVA_CACHE_TEXT];
+    const cl_int code = clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, NULL);
     if (code != CL_SUCCESS) return sva_cl_check(diag, code, "clGetPlatformInfo");
+    if (sva_cache_problem(name, problem, sizeof problem))
+        return sva_error(diag, SV_ERR_NO_DEVICE, "activate: %s", problem);
     if (!strstr(name, "rusticl")) return SV_OK;
     return sva_error(
         diag, SV_ERR_NO_DEVICE,
         "activate: the OpenCL platform '%s' ends its host while it compiles these kernels: take a "
         "device of another one, such as PoCL's (SMARTVIS_DEVICE=cpu)",
         name);
+}
+
+static sv_status check_runtime(sv_diag *diag, cl_device_id device) {
+    cl_platform_id platform = NULL;
+    const cl_int code = clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, (void *)&platform, NULL);
+    return code == CL_SUCCESS ? check_platform(diag, platform) : sva_cl_check(diag, code, "clGetDeviceInfo");
 }
 
 /* Asks for the facts that choose the kernels. */

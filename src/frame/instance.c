@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "frame/instance.h"
 
+#include "device/host_state.h"
 #include "frame/selftest.h"
 
 #include <unistd.h>
@@ -129,7 +130,7 @@ sv_status sv_instance_needs(sv_diag *diag, const sv_device *device, const sv_for
     return SV_OK;
 }
 
-sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const sv_values *values) {
+static sv_status activate(sv_instance *in, const sv_format *format, const sv_values *values) {
     const double begun = sv_seconds();
     in->process = getpid();
     sv_config config = config_of(format, values);
@@ -145,6 +146,14 @@ sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const s
     if (status == SV_OK) tell_times(in, sv_seconds() - begun);
     sv_builds_release(&in->builds);
     in->device.builds = NULL;
+    return status;
+}
+
+sv_status sv_instance_activate(sv_instance *in, const sv_format *format, const sv_values *values) {
+    sv_host_state host;
+    sv_host_state_keep(&host);
+    const sv_status status = activate(in, format, values);
+    sv_host_state_put_back(&host);
     return status;
 }
 
