@@ -100,6 +100,10 @@ void sys_end_at_fault(void);
  * `clean_up` removes files: on any thread, amid anything. */
 void sys_when_ended(void (*clean_up)(void));
 
+/* From now on, should somebody else end this program (exit, abort, a fault), `words` go to standard error
+ * before it ends, and exit's code becomes `code`. NULL: no longer. They must stay. For programs alone. */
+void sys_last_words(const char *words, int code);
+
 unsigned sys_processors(void);
 
 /* NULL: no memory. */

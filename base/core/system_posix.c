@@ -170,6 +170,43 @@ void sys_when_ended(void (*clean_up)(void)) {
     }
 }
 
+static const char *volatile last_words;
+static volatile int last_code;
+
+static void say_last_words(void) {
+    const char *words = last_words;
+    last_words = NULL;
+    if (words) (void)!write(STDERR_FILENO, words, strlen(words));
+}
+
+static void left(void) {
+    if (!last_words) return;
+    (void)fflush(NULL);
+    say_last_words();
+    _exit(last_code);
+}
+
+static void fallen(int number) {
+    say_last_words();
+    (void)signal(number, SIG_DFL);
+    (void)raise(number);
+}
+
+void sys_last_words(const char *words, int code) {
+    static const int numbers[] = {SIGABRT, SIGSEGV, SIGBUS, SIGILL, SIGFPE};
+    static bool watching;
+    last_words = words;
+    last_code = code;
+    if (watching || !words) return;
+    watching = atexit(left) == 0;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        struct sigaction now;
+        const struct sigaction ours = {.sa_handler = fallen, .sa_flags = SA_NODEFER};
+        if (sigaction(numbers[i], NULL, &now) == 0 && now.sa_handler == SIG_DFL)
+            (void)sigaction(numbers[i], &ours, NULL);
+    }
+}
+
 unsigned sys_processors(void) {
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
     return online > 0 ? (unsigned)online : 1u;

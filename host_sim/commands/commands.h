@@ -6,4 +6,5 @@
 int hs_cmd_run(int argc, char **argv);
 int hs_cmd_scene(int argc, char **argv);
 int hs_cmd_list(int argc, char **argv);
+int hs_cmd_prepare(int argc, char **argv);
 int hs_cmd_info(int argc, char **argv);

@@ -29,6 +29,7 @@ static const command commands[] = {
     {"measure", hs_cmd_measure, "quality of depthmaps that were made elsewhere, on one case, as JSON"},
     {"scenes", hs_cmd_scene, "synthetic scenes with ground truth: list, generate, export, look at"},
     {"list", hs_cmd_list, "a plugin library's plugins and parameters"},
+    {"prepare", hs_cmd_prepare, "compiles the kernels ahead, anew if asked, into the runtime's cache"},
     {"info", hs_cmd_info, "facts about MetaImage and Kretz volumes"},
 };
 
@@ -89,8 +90,16 @@ static int run(int argc, char **argv) {
     return HS_ERR_USAGE;
 }
 
+/* PoCL and LLVM leave by exit(1), abort or a fault where they cannot compile. */
+static const char last_words[] = "\nhost_sim: a library that it uses ended it, most likely the OpenCL "
+                                 "runtime's compiler. 'host_sim prepare\n"
+                                 "--fresh' empties PoCL's kernel cache and compiles anew; "
+                                 "docs/troubleshooting.md says what else there is.\n";
+
 int main(int argc, char **argv) {
     argv = sys_arguments(&argc, argv);
-    (void)hs_child_take(&argc, argv);
-    return hs_cli_finish("host_sim", run(argc, argv));
+    if (!hs_child_take(&argc, argv)) sys_last_words(last_words, HS_ERR_DEVICE);
+    const int code = hs_cli_finish("host_sim", run(argc, argv));
+    sys_last_words(NULL, 0);
+    return code;
 }
