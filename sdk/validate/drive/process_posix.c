@@ -96,13 +96,17 @@ const char *v_watch_change(const v_watch *watch) {
 /* ---- */
 /* An OpenCL runtime may have handlers of its own. */
 const char *v_process_handler(library_range library) {
-    static const int watched[] = {SIGINT, SIGTERM, SIGPIPE, SIGCHLD, SIGSEGV, SIGFPE, SIGALRM};
     static char name[16];
-    for (size_t i = 0; i < sizeof watched / sizeof *watched; i++) {
+    for (int number = 1; number < NSIG; number++) {
         struct sigaction now;
-        (void)sigaction(watched[i], NULL, &now);
-        if (!library_range_holds(library, (const void *)(uintptr_t)now.sa_handler)) continue;
-        (void)snprintf(name, sizeof name, "SIG%s", sigabbrev_np(watched[i]));
+        const char *known = sigabbrev_np(number);
+        if (sigaction(number, NULL, &now) != 0 ||
+            !library_range_holds(library, (const void *)(uintptr_t)now.sa_handler))
+            continue;
+        if (known)
+            (void)snprintf(name, sizeof name, "SIG%s", known);
+        else
+            (void)snprintf(name, sizeof name, "signal %d", number);
         return name;
     }
     return NULL;

@@ -5,6 +5,7 @@
 #include <fenv.h>
 #include <locale.h>
 #include <pthread.h>
+#include <signal.h>
 #include <string.h>
 #if !defined(_WIN32)
 #include <sys/resource.h>
@@ -52,6 +53,7 @@ static void spoil_descriptors(void) {
 static void leave_a_process(void) {}
 static void lower_limits(void) {}
 static void lower_hard_limit(void) {}
+static void take_signal(void) {}
 #else
 /* Once, and for minutes only, should a host not end it; or it goes on as a copy of the host. */
 static void leave_a_process(void) {
@@ -60,6 +62,14 @@ static void leave_a_process(void) {
     (void)setsid();
     (void)sleep(LIVES_S);
     _exit(0);
+}
+
+static void hear(int number) {
+    (void)number;
+}
+
+static void take_signal(void) {
+    (void)signal(SIGUSR1, hear);
 }
 
 static void lower_limits(void) {
@@ -127,6 +137,7 @@ static sv_status activate(const sv_plugin *plugin, const sv_format *format) {
     be_noisy(a);
     leak();
     if (WRONG_IS(changes_locale)) (void)setlocale(LC_ALL, "C.UTF-8");
+    if (WRONG_IS(takes_signal)) take_signal();
     if (WRONG_IS(lowers_limits)) lower_limits();
     if (WRONG_IS(lowers_hard_limit)) lower_hard_limit();
     if (WRONG_IS(activate_77)) return 77;

@@ -157,6 +157,7 @@
     WRONG(closes_descriptors, life, process-untouched, "begin closes descriptors 0 to 1023") \
     WRONG(shrinks_files, life, process-untouched, "begin cuts off every file that is open") \
     WRONG(writes_to_files, life, process-untouched, "begin writes to every file that is open") \
+    WRONG(takes_signal, life, process-untouched, "activate handles SIGUSR1") \
     WRONG(lowers_limits, life, process-untouched, "activate lowers the limit of open files") \
     WRONG(lowers_hard_limit, life, process-untouched, "activate lowers how far a limit can be raised") \
     WRONG(forks, life, process-untouched, "end comes back twice, from a fork") \
