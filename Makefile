@@ -39,11 +39,13 @@ build = $(call step,configure) cmake -S . -B $(1) -G Ninja -DSV_WERROR=$(SV_WERR
 # Other builds' tests need the same kernels as those of build: what PoCL compiled for one is there for all.
 KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 
-# What a frame computes, against the definitions.
-INTEL_TESTS := ^check/test_(formats|mean|method_hard|methods|scanned|wall|wall_answer)$$
+# What a frame computes, against the definitions: what other runtimes are held to.
+RUNTIME_TESTS := $(shell sed -n 's/^tests //p' scripts/runtimes.txt)
+empty :=
+INTEL_TESTS := ^check/test_($(subst $(empty) $(empty),|,$(RUNTIME_TESTS)))$$
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-runtimes test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -131,6 +133,11 @@ test-intel: # the frames of `make test` on Intel's OpenCL for CPUs, from PyPI: a
 	@readlink -f build/intel/lib/libintelocl.so > build/intel/intel.icd
 	@bash tests/sdk/check/second_runtime.sh build build/intel/intel.icd
 	@OCL_ICD_VENDORS=$(CURDIR)/build/intel/intel.icd ctest --test-dir build --output-on-failure -R '$(INTEL_TESTS)'
+
+test-runtimes: # the same on PoCL 6 and 7, from newer Debian suites: out/runtimes (needs namespaces)
+	@$(SETUP) $(PACKAGES)
+	@$(call build,build,,smartvis sv_validate every_method $(RUNTIME_TESTS:%=test_%))
+	@scripts/runtimes.sh build $(OUT)/runtimes
 
 test-sanitize: setup # the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
 	@# Without SV_WERROR: gcc warns wrongly in instrumented code.

@@ -31,19 +31,6 @@ stop() { # stop CODE MESSAGE
     exit "$1"
 }
 
-# Prints the first repository of apt's configuration that has the suite. apt itself downloads, so its proxies hold.
-find_mirror() { # find_mirror SUITE SCRATCH_FOLDER
-    command -v apt-get > /dev/null || return 1
-    local uri
-    while read -r uri; do
-        if /usr/lib/apt/apt-helper download-file "${uri%/}/dists/$1/Release" "$2/Release" > /dev/null 2>&1; then
-            echo "$uri"
-            return 0
-        fi
-    done < <(apt-get indextargets --format '$(REPO_URI)' | grep -E '^https?:' | awk '!seen[$0]++')
-    return 1
-}
-
 # debootstrap reads the proxy from its environment, where apt reads it from its configuration.
 export_proxies() {
     command -v apt-config > /dev/null || return 0
@@ -181,6 +168,7 @@ trap clean_up EXIT
 trap 'exit 130' INT TERM HUP
 
 if [ -z "$mirror" ]; then
+    . "$checkout/scripts/mirror.sh"
     mirror=$(find_mirror "$suite" "$scratch") ||
         stop 3 "no repository of apt's configuration has '$suite': run apt-get update, or name one with --mirror URL"
 fi

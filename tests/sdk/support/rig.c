@@ -184,6 +184,7 @@ static void free_stage(void *st) {
 }
 
 stage *rig_stage(const rig *r, const rig_format *f, const uint8_t *volume) {
+    const stage_device device = {r->device, r->context, r->queue};
     stage *st = unit_memory(sizeof *st);
     stage_way way = {.width = f->width,
                      .height = f->height,
@@ -204,8 +205,10 @@ stage *rig_stage(const rig *r, const rig_format *f, const uint8_t *volume) {
                      .hatch = 255};
     for (; way.fixed_count < RIG_MAX_FIXED && f->fixed[way.fixed_count].id; way.fixed_count++)
         way.fixed[way.fixed_count] = f->fixed[way.fixed_count];
+    /* Buffers, where the device has no such images: the tests are for its kernels. */
+    if (way.carrier == SV_CARRIER_IMAGE && !stage_has_images(&device)) way.carrier = SV_CARRIER_BUFFER;
     name_method(r, &way);
-    stage_make(st, &way, &(stage_device){r->device, r->context, r->queue}, refused, NULL);
+    stage_make(st, &way, &device, refused, NULL);
     st->frame_flags = 0;
     stage_fill(st, volume, f->scanned);
     unit_keep(free_stage, st);

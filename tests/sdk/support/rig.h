@@ -77,7 +77,7 @@ typedef struct {
     const uint32_t *lengths; /* lengths of the slabs, ending with 0; NULL: slab_slices each, the last short */
     uint32_t tiles_x;        /* 0: 4 */
     uint32_t extra_w, extra_h, extra_pitch; /* tile and pitch padding */
-    uint32_t carrier;                       /* 0: SV_CARRIER_HOST */
+    uint32_t carrier;                       /* 0: SV_CARRIER_HOST; images become buffers if there are none */
     bool own_queue;                         /* the plugin picks its device */
     bool in_place;                          /* register the slab memory at activation */
     float voxel_mm;                         /* edge of a voxel; 0: not told */
