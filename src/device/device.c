@@ -3,30 +3,44 @@
 
 #include "smartvis/device.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { NAME_BYTES = 128 };
 
-/* What would end the host while kernels are compiled: a cache that cannot take them, and runtimes whose
- * compiler is known to abort on these. */
-static sv_status check_platform(sv_diag *diag, cl_platform_id platform) {
+/* A cache that cannot take kernels ends the host while they are compiled. */
+static sv_status check_platform(sv_diag *diag, cl_platform_id platform, bool *rusticl) {
     char name[NAME_BYTES] = "", problem[SVA_CACHE_TEXT];
     const cl_int code = clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, NULL);
+    *rusticl = strstr(name, "rusticl") != NULL;
     if (code != CL_SUCCESS) return sva_cl_check(diag, code, "clGetPlatformInfo");
-    if (sva_cache_problem(name, problem, sizeof problem))
-        return sva_error(diag, SV_ERR_NO_DEVICE, "activate: %s", problem);
-    if (!strstr(name, "rusticl")) return SV_OK;
-    return sva_error(
-        diag, SV_ERR_NO_DEVICE,
-        "activate: the OpenCL platform '%s' ends its host while it compiles these kernels: take a "
-        "device of another one, such as PoCL's (SMARTVIS_DEVICE=cpu)",
-        name);
+    return !sva_cache_problem(name, problem, sizeof problem)
+               ? SV_OK
+               : sva_error(diag, SV_ERR_NO_DEVICE, "activate: %s", problem);
 }
 
-static sv_status check_runtime(sv_diag *diag, cl_device_id device) {
+/* Mesa 25.0's compiler ends its host at method wall, and spreads depths by the spline to other bits. 26.2
+ * gives PoCL's bits where a work item has one ray; for rows of rays it does not end, or not well. */
+static sv_status check_rusticl(sv_diag *diag, cl_device_id device) {
+    char version[NAME_BYTES] = "";
+    const cl_int code = clGetDeviceInfo(device, CL_DRIVER_VERSION, sizeof version - 1, version, NULL);
+    char *rest = version;
+    const long major = strtol(version, &rest, 10), minor = *rest == '.' ? strtol(rest + 1, NULL, 10) : 0;
+    if (code == CL_SUCCESS && (major > 26 || (major == 26 && minor >= 2))) return SV_OK;
+    return sva_error(
+        diag, SV_ERR_NO_DEVICE,
+        "activate: the OpenCL platform 'rusticl' of Mesa %s ends its host while it compiles these kernels, "
+        "expected 26.2 or later: take a device of another one, such as PoCL's (SMARTVIS_DEVICE=cpu)",
+        version);
+}
+
+/* What would end the host while kernels are compiled. */
+static sv_status check_runtime(sv_diag *diag, cl_device_id device, bool *rusticl) {
     cl_platform_id platform = NULL;
     const cl_int code = clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, (void *)&platform, NULL);
-    return code == CL_SUCCESS ? check_platform(diag, platform) : sva_cl_check(diag, code, "clGetDeviceInfo");
+    if (code != CL_SUCCESS) return sva_cl_check(diag, code, "clGetDeviceInfo");
+    const sv_status status = check_platform(diag, platform, rusticl);
+    return status == SV_OK && *rusticl ? check_rusticl(diag, device) : status;
 }
 
 /* Asks for the facts that choose the kernels. */
@@ -48,7 +62,7 @@ static sv_status query_device(sv_diag *diag, sv_device *d) {
         code = clGetDeviceInfo(d->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof d->largest_buffer,
                                &d->largest_buffer, NULL);
     d->has_doubles = doubles != 0;
-    d->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+    d->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !d->rays_only;
     d->shares_memory = d->is_cpu && unified;
     return sva_cl_check(diag, code, "clGetDeviceInfo");
 }
@@ -68,7 +82,7 @@ static sv_status check_host_queue(sv_diag *diag, const sv_device *d) {
 static sv_status open_own(sv_diag *diag, cl_device_id device, sv_device *out) {
     cl_int code = CL_SUCCESS;
     *out = (sv_device){.device = device, .owned = true};
-    sv_status status = check_runtime(diag, device);
+    sv_status status = check_runtime(diag, device, &out->rays_only);
     if (status != SV_OK) return status;
     out->context = clCreateContext(NULL, 1, &device, NULL, NULL, &code);
     status = sva_cl_check(diag, code, "clCreateContext");
@@ -86,7 +100,7 @@ sv_status sv_device_open(sv_diag *diag, cl_context context, cl_device_id device,
     *out = (sv_device){.context = context, .device = device, .queue = queue};
     if (context && device && queue) {
         sv_status status = check_host_queue(diag, out);
-        if (status == SV_OK) status = check_runtime(diag, device);
+        if (status == SV_OK) status = check_runtime(diag, device, &out->rays_only);
         return status == SV_OK ? query_device(diag, out) : status;
     }
     sv_devices all;

@@ -15,6 +15,7 @@ typedef struct {
     cl_command_queue queue;
     bool owned;
     bool is_cpu;        /* a CPU: the strip kernels, and host memory read in place */
+    bool rays_only;     /* rusticl: a work item has one ray, as on a GPU, whatever the device is */
     bool shares_memory; /* CL_DEVICE_HOST_UNIFIED_MEMORY on a CPU */
     bool has_doubles;   /* cl_khr_fp64 */
     cl_uint compute_units;

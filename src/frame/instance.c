@@ -130,12 +130,20 @@ sv_status sv_instance_needs(sv_diag *diag, const sv_device *device, const sv_for
     return SV_OK;
 }
 
+static sv_status check_layout(sv_diag *diag, const sv_device *device, const sv_config *config) {
+    if (!device->rays_only || sv_pipeline_strategy(device, config) == SV_STRATEGY_RAYS) return SV_OK;
+    return sva_error(
+        diag, SV_ERR_NO_DEVICE,
+        "activate: the OpenCL platform 'rusticl' compiles no rows of rays: take strategy=rays or auto");
+}
+
 static sv_status activate(sv_instance *in, const sv_format *format, const sv_values *values) {
     const double begun = sv_seconds();
     in->process = getpid();
     sv_config config = config_of(format, values);
     uint32_t commands = 0;
     sv_status status = sv_device_open(in->diag, format->context, format->device, format->queue, &in->device);
+    if (status == SV_OK) status = check_layout(in->diag, &in->device, &config);
     if (status == SV_OK) status = max_commands(in->diag, &in->device, &config, values, &commands);
     if (status == SV_OK) status = sv_timing_create(&in->timing, in->diag, commands);
     in->device.builds = &in->builds;

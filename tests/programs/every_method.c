@@ -3,8 +3,8 @@
  * One frame by every method in every layout of the work, and from every carrier, on the first device there
  * is. Prints a line each, with a sum over the bits of all results: two runtimes compute the same if the lines
  * are the same. It needs nothing of the host, so it runs on simulators of devices, too. Usage: every_method
- * PLUGIN.so [small [METHOD]]. What stands behind OpenCL is printed to stderr. Exit code 1 if a frame fails,
- * if a method's layouts differ, or if two methods do not.
+ * PLUGIN.so [small [METHOD [LAYOUT]]]. What stands behind OpenCL is printed to stderr. Exit code 1 if a frame
+ * fails, if a method's layouts differ, or if two methods do not.
  */
 #include "smartvis/confidence.h"
 #include "smartvis/lookup.h"
@@ -23,7 +23,7 @@ static uint8_t voxels[SLICES * RAYS];
 static sv_scanned scanned[RAYS];
 static float adjusted[RAYS], confidences[RAYS];
 static uint32_t width = WIDTH, height = HEIGHT;
-static const char *only; /* one method; NULL: all */
+static const char *only, *only_layout; /* of methods and layouts; NULL: all */
 static int small, failures;
 
 /* Skin, fluid and fetus with bright bone behind it, speckled; at the left there is no fluid. */
@@ -177,7 +177,8 @@ static void try_all(const sv_plugin *p, const stage_device *d) {
             if (p->param_text(p, strategy.id, s, layout, sizeof layout) < 0) exit(1);
             if (p->param_text(p, method.id, m, name, sizeof name) < 0)
                 continue; /* no method has this value */
-            if (only && strcmp(only, name) != 0) continue;
+            if ((only && strcmp(only, name) != 0) || (only_layout && strcmp(only_layout, layout) != 0))
+                continue;
             (void)snprintf(label, sizeof label, "%s %s", name, layout);
             /* A small run tries two layouts a method, in turn one of the others and rays, for which a method
              * may have kernels of its own. */
@@ -196,12 +197,13 @@ static void print_log(const sv_host *host, int32_t severity, const char *text) {
 }
 
 int main(int argc, char **argv) {
-    only = argc == 4 ? argv[3] : NULL;
-    small = (argc == 3 || argc == 4) && strcmp(argv[2], "small") == 0;
+    only = argc > 3 ? argv[3] : NULL;
+    only_layout = argc > 4 ? argv[4] : NULL;
+    small = argc >= 3 && argc <= 5 && strcmp(argv[2], "small") == 0;
     void *library = argc == 2 || small ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
     const sv_entry *entry = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
     if (!entry || entry->abi_major != SV_ABI_MAJOR) {
-        (void)fprintf(stderr, "usage: every_method FOLDER/PLUGIN.so [small [METHOD]]\n");
+        (void)fprintf(stderr, "usage: every_method FOLDER/PLUGIN.so [small [METHOD [LAYOUT]]]\n");
         return 2;
     }
     const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "every_method", "1", print_log, NULL};

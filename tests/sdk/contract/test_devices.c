@@ -12,6 +12,7 @@ typedef struct {
     const char *platform;
     cl_device_type type;
     int broken; /* its context cannot be made */
+    const char *driver;
 } fake;
 static const fake *fakes;
 static cl_uint fake_count;
@@ -36,6 +37,7 @@ static cl_int told_device(cl_device_id d, cl_device_info what, size_t bytes, voi
     if (what == CL_DEVICE_PLATFORM) memcpy(out, &d, sizeof d);
     if (what == CL_DEVICE_TYPE) memcpy(out, &f->type, sizeof f->type);
     if (what == CL_DEVICE_NAME) (void)snprintf(out, bytes, "the device of %s", f->platform);
+    if (what == CL_DRIVER_VERSION) (void)snprintf(out, bytes, "%s", f->driver ? f->driver : "");
     return CL_SUCCESS;
 }
 /* NOLINTNEXTLINE(readability-non-const-parameter) */
@@ -83,7 +85,12 @@ static void takes(const fake *all, cl_uint count, const char *wish, int taken, c
     assert_int_equal(wish ? setenv("SMARTVIS_DEVICE", wish, 1) : unsetenv("SMARTVIS_DEVICE"), 0);
     const sv_status status = sv_device_open(&a, NULL, NULL, NULL, &device);
     assert_int_equal(status == SV_OK, taken >= 0);
-    if (taken >= 0) assert_ptr_equal(device.device, &all[taken]);
+    if (taken >= 0) {
+        assert_ptr_equal(device.device, &all[taken]);
+        /* A work item of rusticl's has one ray, whatever the device. */
+        assert_int_equal(device.rays_only, strcmp(all[taken].platform, "rusticl") == 0);
+        assert_false(device.rays_only && device.is_cpu);
+    }
     if (said ? !strstr(logged, said) : logged[0] != '\0') fail_msg("'%s' in '%s'", said ? said : "", logged);
 }
 
@@ -102,15 +109,28 @@ static void all_take(const fake *all, cl_uint count, const char *wish, int taken
 }
 
 static void the_first_that_works(void **state) {
-    static const fake two[] = {{"Maker", CL_DEVICE_TYPE_CPU, 0}, {"Other", CL_DEVICE_TYPE_GPU, 0}};
-    static const fake broken[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1}, {"Other", CL_DEVICE_TYPE_CPU, 0}};
-    static const fake none[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1}, {"Other", CL_DEVICE_TYPE_CPU, 1}};
-    static const fake others[] = {{"Maker", CL_DEVICE_TYPE_ACCELERATOR, 0},
-                                  {"Other", CL_DEVICE_TYPE_ACCELERATOR, 0},
-                                  {"Third", CL_DEVICE_TYPE_CPU, 0}};
-    static const fake aborts[] = {{"rusticl", CL_DEVICE_TYPE_GPU, 0}, {"Other", CL_DEVICE_TYPE_CPU, 0}};
-    takes(aborts, 2, NULL, 1, "the OpenCL platform 'rusticl' ends its host while it compiles");
+    static const fake two[] = {{"Maker", CL_DEVICE_TYPE_CPU, 0, NULL},
+                               {"Other", CL_DEVICE_TYPE_GPU, 0, NULL}};
+    static const fake broken[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1, NULL},
+                                  {"Other", CL_DEVICE_TYPE_CPU, 0, NULL}};
+    static const fake none[] = {{"Maker", CL_DEVICE_TYPE_GPU, 1, NULL},
+                                {"Other", CL_DEVICE_TYPE_CPU, 1, NULL}};
+    static const fake others[] = {{"Maker", CL_DEVICE_TYPE_ACCELERATOR, 0, NULL},
+                                  {"Other", CL_DEVICE_TYPE_ACCELERATOR, 0, NULL},
+                                  {"Third", CL_DEVICE_TYPE_CPU, 0, NULL}};
+    static const fake aborts[] = {{"rusticl", CL_DEVICE_TYPE_GPU, 0, "25.0.7-2"},
+                                  {"Other", CL_DEVICE_TYPE_CPU, 0, NULL}};
+    static const fake rusticl[] = {{"rusticl", CL_DEVICE_TYPE_CPU, 0, "26.2.6-1"},
+                                   {"rusticl", CL_DEVICE_TYPE_GPU, 0, "26.1.6"},
+                                   {"rusticl", CL_DEVICE_TYPE_GPU, 0, "27.0.0-devel"},
+                                   {"rusticl", CL_DEVICE_TYPE_GPU, 0, NULL}};
+    takes(aborts, 2, NULL, 1,
+          "the OpenCL platform 'rusticl' of Mesa 25.0.7-2 ends its host while it compiles");
     takes(aborts, 1, NULL, -1, "take a device of another one");
+    takes(&rusticl[0], 1, NULL, 0, NULL); /* by its version */
+    takes(&rusticl[1], 1, NULL, -1, "expected 26.2 or later");
+    takes(&rusticl[2], 1, NULL, 0, NULL);
+    takes(&rusticl[3], 1, NULL, -1, "expected 26.2 or later");
     all_take(two, 2, NULL, 1, NULL); /* a GPU comes first */
     all_take(two, 2, "", 1, NULL);
     all_take(others, 3, NULL, 2, NULL); /* and a CPU before what is neither */
