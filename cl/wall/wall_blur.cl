@@ -24,8 +24,9 @@ static void find_rows(const sv_wall_layout *l, int row, rows_t *at) {
     }
 }
 
-/* The Gaussian along y of a layer. The line gets its border values in its margins, too. `costs`: the layer
- * in row 0. */
+/* The Gaussian along y of a layer. The line gets its border values in its margins, too, behind the cells and
+ * behind the vectors: what nobody reads must be a number, where a host lets exceptions trap. `costs`: the
+ * layer in row 0. */
 static void sum_rows_of(const sv_wall_layout *l, __global const ushort *costs, const rows_t *at,
                         __global float *line) {
     for (uint x = 0; x < padded_cells_of(l); x += LANES) {
@@ -39,7 +40,7 @@ static void sum_rows_of(const sv_wall_layout *l, __global const ushort *costs, c
     }
     for (uint k = 1; k <= l->reach_x; k++) {
         line[-(int)k] = line[0];
-        line[l->cells[0] - 1 + k] = line[l->cells[0] - 1];
+        line[l->cells[0] - 1 + k] = line[padded_cells_of(l) - 1 + k] = line[l->cells[0] - 1];
     }
 }
 

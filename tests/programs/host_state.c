@@ -69,6 +69,18 @@ static void failed(void *data, const char *what, cl_int code) {
     exit(1);
 }
 
+static stage_device own; /* zeros: the plugin opens one */
+
+static void open_own(void) {
+    cl_platform_id platform = NULL;
+    cl_int code = CL_SUCCESS;
+    (void)clGetPlatformIDs(1, &platform, NULL);
+    (void)clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 1, &own.device, NULL);
+    own.context = clCreateContext(NULL, 1, &own.device, NULL, NULL, &code);
+    own.queue = clCreateCommandQueue(own.context, own.device, 0, &code);
+    if (code != CL_SUCCESS) failed(NULL, "a queue", code);
+}
+
 /* The sum of the depths of one frame. */
 static double frame(const sv_plugin *p) {
     static stage st;
@@ -78,11 +90,11 @@ static double frame(const sv_plugin *p) {
                            .longest = 16,
                            .tiles_x = 1,
                            .carrier = SV_CARRIER_HOST,
-                           .own_queue = true,
+                           .own_queue = own.queue == NULL,
                            .spacing_mm = {1, 1, 1},
                            .padding = SV_NO_PADDING};
     double sum = 0;
-    stage_make(&st, &way, NULL, failed, NULL);
+    stage_make(&st, &way, &own, failed, NULL);
     stage_fill(&st, voxels, NULL);
     stage_poison(&st, 0);
     const sv_result result = stage_result(&st);
@@ -95,21 +107,24 @@ static double frame(const sv_plugin *p) {
 }
 
 int main(int argc, char **argv) {
-    const bool traps = argc == 3 && strcmp(argv[2], "trap") == 0;
+    const bool traps = argc > 2 && strcmp(argv[2], "trap") == 0;
+    const bool queue = argc > 3 && strcmp(argv[3], "queue") == 0;
     make_volume();
     take_signals();
     /* Before the runtime is loaded: its threads inherit it. */
     if (traps) expect(feenableexcept(TRAPS) != -1, "traps");
+    if (queue) open_own();
     void *library = argc > 1 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
     const sv_entry *entry = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
     const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "host_state", "1", NULL, NULL};
     const sv_plugin *p = NULL;
     if (!entry || entry->create(&host, entry->descriptor(0)->id, &p) != SV_OK) return 2;
     const double sum = frame(p);
-    look_at_signals();
+    if (!queue) look_at_signals();
     expect((fegetexcept() & TRAPS) == (traps ? TRAPS : 0), "traps are no longer the host's");
     (void)fedisableexcept(TRAPS);
     expect(frame(p) == sum && sum > 0, "a frame without traps is another");
     p->destroy(p);
+    if (queue) (void)(clReleaseCommandQueue(own.queue) + clReleaseContext(own.context));
     return failures > 0;
 }
