@@ -2,6 +2,7 @@
 #include "volume/fan_fit.h"
 #include "volume/levels.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -63,14 +64,65 @@ void hs_course_find_noise(hs_volume *v) {
     v->course.noisy = found >= HS_CORNERS_ENOUGH;
 }
 
+/* A factor for all lengths leaves a fan a fan. What tells it is the radius at which the lines begin: that of
+ * the probe's array and a little more, for a belly some 40 to 80 mm. A small scan of a small radius was
+ * halved, perhaps, and a large one of a large radius doubled. Beams that hardly part have any radius. */
+static const double small = 90.0, large = 170.0, largest = 250.0; /* mm, of the scan at its widest */
+static const double inside = 16.0, low = 42.0, high = 110.0, parallel = 200.0; /* mm, of the radius */
+
+static bool doubts_size(const hs_volume *v, char *out, size_t bytes) {
+    const hs_course *c = &v->course;
+    if (v->beams || c->kind != HS_BEAMS_FAN) return false;
+    const double wide = fmax(v->nx * v->spacing[0], fmax(v->ny * v->spacing[1], v->nz * v->spacing[2]));
+    const bool halved = wide < small && c->face > inside && c->face < low;
+    const bool doubled = wide > largest || (wide > large && c->face > high && c->face < parallel);
+    return (halved || doubled) &&
+           snprintf(out, bytes,
+                    "The scan is %.0f mm wide, and its fan begins %.0f mm from where its lines meet: is the "
+                    "spacing right? --spacing X,Y,Z says it (mm).",
+                    wide, c->face) > 0;
+}
+
+/* Where no fan fits, but one would. */
+static bool doubts_shape(const hs_volume *v, char *out, size_t bytes) {
+    const double *own = v->spacing, *fits = v->course.fits;
+    int differ = 0, axis = 0;
+    for (int k = 0; k < 3; k++) {
+        if (fits[k] == own[k]) continue;
+        differ++;
+        axis = k;
+    }
+    if (fits[0] > 0.0 && differ == 1)
+        return snprintf(out, bytes,
+                        "As a fan this fits with %.4g mm along %c, not %.4g: is the spacing right? --spacing "
+                        "%.4g,%.4g,%.4g",
+                        fits[axis], "xyz"[axis], own[axis], fits[0], fits[1], fits[2]) > 0;
+    if (fits[0] > 0.0)
+        return snprintf(out, bytes,
+                        "As a fan this fits with %.4g x %.4g x %.4g mm: is the spacing right? --spacing "
+                        "%.4g,%.4g,%.4g",
+                        fits[0], fits[1], fits[2], fits[0], fits[1], fits[2]) > 0;
+    return v->course.fits_none &&
+           snprintf(
+               out, bytes,
+               "From %s no fan fits what was scanned: is the probe there, and the spacing right? --spacing "
+               "X,Y,Z says it (mm).",
+               hs_probe_name(v->probe)) > 0;
+}
+
 void hs_course_question(const hs_volume *v, char *out, size_t bytes) {
     const hs_course *c = &v->course;
     out[0] = '\0';
+    if (c->fits[0] > 0.0 && doubts_shape(v, out, bytes)) return; /* of wrong lengths the face is a guess */
+    if (doubts_size(v, out, bytes)) return;
     if (c->asked_count == 0 && c->noisy)
         (void)snprintf(out, bytes,
                        "Its corners hold dark noise: if nothing was scanned there, say so by --window "
                        "LOW,HIGH with LOW above it.");
-    if (c->asked_count == 0) return;
+    if (c->asked_count == 0) {
+        if (!c->noisy) (void)doubts_shape(v, out, bytes);
+        return;
+    }
     const char *first = hs_probe_name(c->asked[0]);
     if (c->asked_count == 1)
         (void)snprintf(out, bytes, "The scan narrows towards %s: is the probe there? --probe %s", first,

@@ -1,331 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/fan_fit.h"
+#include "volume/fan_shape.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/*
- * The border of the scan is met along the three axes of the volume: the first and the last scanned voxel of
- * every column, unless it lies at the volume's own face, where the file ends and not the scan. Holes inside
- * are never met. Each point of the border should lie on one of the six surfaces of a fan: its two outer
- * lines, its two outer planes, the probe's face, the end of depth. Gauss-Newton brings the fan there, each
- * point drawn to the surface that is nearest, and counted less the farther it lies from it (Geman-McClure),
- * so that what is cut off obliquely does not bend the fan.
- */
-
-enum {
-    COLUMNS = 40,                 /* a side of the grid of columns along each axis */
-    MOST = 6 * COLUMNS * COLUMNS, /* points of the border */
-    FEW = 300,                    /* points of a first trial */
-    LEAST = 60,                   /* points that say anything */
-    PLACE = 0,
-    SWEEP = 3,
-    TURN = 4,
-    LOW_LINE = 7,
-    HIGH_LINE,
-    PLANE,
-    FACE,
-    END,
-    UNKNOWNS /* of a fan */
-};
-
-static const double first_radii[] = {30.0, 120.0}; /* mm, of lines and sweep at the face: trials begin here */
-static const double enough = 0.75;                 /* of the border lies on a fan */
-static const double clear = 0.95;                  /* and as much if it is not turned */
-static const double followed = 0.92;               /* and this share of what lies near: the rest is cut off */
-static const double near_by = 4.0;                 /* times as far as close */
-static const double most_turn = 0.82;              /* cosine of 35 degrees, from the volume's axis */
-static const double parallel_from = 1000.0;        /* mm: a longer radius tells nothing of a place */
-
-typedef struct {
-    const double (*points)[3]; /* mm from the volume's corner */
-    uint32_t count;
-    double size[3]; /* mm */
-    double close;   /* mm: as far may a point lie from a fan that holds it */
-} border;
-
-typedef struct {
-    double rotation[9]; /* row-major: the probe's axes in those of the volume */
-    double x[UNKNOWNS]; /* apex, sweep, (no turn), limits of the lines, of the planes, of the radii */
-    double cost;        /* 0: all points lie on it, 1: none */
-    double share, median;
-    double follows; /* share of the points near by that are close */
-    uint32_t on[6]; /* points close to each surface, as `beyond` numbers them */
-} fan;
-
-/* ---- the border */
-static bool is_scanned(const hs_volume *v, const uint32_t at[3]) {
-    return v->voxels[((size_t)at[2] * v->ny + at[1]) * v->nx + at[0]] != 0;
-}
-
-static void keep(const hs_volume *v, const uint32_t at[3], int axis, double beside, border *b,
-                 double (*points)[3]) {
-    double *p = points[b->count++];
-    for (int k = 0; k < 3; k++) p[k] = (at[k] + 0.5 + (k == axis ? beside : 0.0)) * v->spacing[k];
-}
-
-/* The ends of the scan in one column, unless they are the volume's. */
-static void add_column(const hs_volume *v, uint32_t at[3], int axis, border *b, double (*points)[3]) {
-    const uint32_t n[3] = {v->nx, v->ny, v->nz};
-    uint32_t low = 0, high = n[axis];
-    for (at[axis] = 0; low < high && !is_scanned(v, at); at[axis] = low) low++;
-    if (low == high) return;
-    at[axis] = low;
-    if (low > 0) keep(v, at, axis, -0.5, b, points);
-    for (at[axis] = high - 1; !is_scanned(v, at); at[axis] = high - 1) high--;
-    if (high < n[axis]) keep(v, at, axis, 0.5, b, points);
-}
-
-static void find_border(const hs_volume *v, border *b, double (*points)[3]) {
-    const uint32_t n[3] = {v->nx, v->ny, v->nz};
-    b->points = (const double(*)[3])points;
-    b->close = 1.0;
-    for (int k = 0; k < 3; k++) {
-        b->size[k] = n[k] * v->spacing[k];
-        b->close = fmax(b->close, v->spacing[k]);
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        const int s = (axis + 1) % 3, t = (axis + 2) % 3;
-        for (uint32_t i = 0; i < COLUMNS; i++)
-            for (uint32_t j = 0; j < COLUMNS; j++) {
-                uint32_t at[3] = {0, 0, 0};
-                at[s] = (uint32_t)((i + 0.5) / COLUMNS * n[s]);
-                at[t] = (uint32_t)((j + 0.5) / COLUMNS * n[t]);
-                add_column(v, at, axis, b, points);
-            }
-    }
-}
-
-/* ---- a fan, and how far points lie from it */
-/* The place along the fan's axes. */
-static void local_place(const fan *f, const double p[3], double out[3]) {
-    for (int k = 0; k < 3; k++) {
-        out[k] = 0.0;
-        for (int m = 0; m < 3; m++) out[k] += f->rotation[m * 3 + k] * (p[m] - f->x[PLACE + m]);
-    }
-}
-
-/* hypot without its care for overflow, which takes its time: squares of mm are small. */
-static double length_of(double x, double y) {
-    return sqrt(x * x + y * y);
-}
-
-/* How far the point lies beyond the nearest surface of the fan (inside: below 0), which is `surface`: 0, 1
- * lines, 2, 3 planes, 4, 5 radii. `slope`: what that changes by for each unknown. */
-static double beyond(const fan *f, const double p[3], int *surface, double slope[UNKNOWNS]) {
-    double l[3], least = DBL_MAX;
-    local_place(f, p, l);
-    const double w = l[2] - f->x[SWEEP], h = length_of(l[1], w) + 1e-9, c = h + f->x[SWEEP];
-    const double r = length_of(l[0], c) + 1e-9, line = atan2(l[0], c), plane = atan2(l[1], w);
-    const double d[6] = {(f->x[LOW_LINE] - line) * r,
-                         (line - f->x[HIGH_LINE]) * r,
-                         (-f->x[PLANE] - plane) * h,
-                         (plane - f->x[PLANE]) * h,
-                         f->x[FACE] - r,
-                         r - f->x[END]};
-    for (int k = 0; k < 6; k++)
-        if (fabs(d[k]) < least) least = fabs(d[ *surface = k]);
-    if (!slope) return d[*surface];
-    const double sign = *surface % 2 ? 1.0 : -1.0;
-    double g[3] = {0, l[1] / h, w / h}, by_sweep = 1.0 - w / h; /* of c, along the fan's axes */
-    if (*surface < 2 || *surface > 3) {
-        const double of_x = *surface < 2 ? c / r : l[0] / r, of_c = *surface < 2 ? -l[0] / r : c / r;
-        g[0] = of_x;
-        g[1] *= of_c;
-        g[2] *= of_c;
-        by_sweep *= of_c;
-    } else {
-        g[1] = w / h;
-        g[2] = -l[1] / h;
-        by_sweep = l[1] / h;
-    }
-    memset(slope, 0, UNKNOWNS * sizeof *slope);
-    for (int k = 0; k < 3; k++) {
-        for (int m = 0; m < 3; m++) slope[PLACE + k] -= sign * f->rotation[k * 3 + m] * g[m];
-        const int a = (k + 1) % 3, e = (k + 2) % 3;
-        slope[TURN + k] = -sign * (l[a] * g[e] - l[e] * g[a]);
-    }
-    slope[SWEEP] = sign * by_sweep;
-    slope[*surface < 2   ? LOW_LINE + *surface
-          : *surface < 4 ? PLANE
-          : *surface < 5 ? FACE
-                         : END] = *surface < 2   ? -sign * r
-                                  : *surface < 4 ? -h
-                                                 : -sign;
-    return d[*surface];
-}
-
-static double cost_of(const fan *f, const border *b, uint32_t step, double scale) {
-    double sum = 0.0;
-    uint32_t n = 0;
-    int surface = 0;
-    for (uint32_t i = 0; i < b->count; i += step, n++) {
-        const double e = beyond(f, b->points[i], &surface, NULL);
-        sum += e * e / (e * e + scale * scale);
-    }
-    return sum / n;
-}
-
-/* Solves a symmetric positive system, of which the upper half is given, in place: b becomes the solution. */
-static void solve(double a[UNKNOWNS][UNKNOWNS], double b[UNKNOWNS]) {
-    for (int k = 0; k < UNKNOWNS; k++)
-        for (int i = k + 1; i < UNKNOWNS; i++) {
-            const double factor = a[k][i] / a[k][k];
-            for (int j = i; j < UNKNOWNS; j++) a[i][j] -= factor * a[k][j];
-            b[i] -= factor * b[k];
-        }
-    for (int k = UNKNOWNS - 1; k >= 0; k--) {
-        for (int j = k + 1; j < UNKNOWNS; j++) b[k] -= a[k][j] * b[j];
-        b[k] /= a[k][k];
-    }
-}
-
-/* Turns the fan about its own axes by a rotation vector (Rodrigues). */
-static void turn_by(double rotation[9], const double v[3]) {
-    const double angle = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    if (angle < 1e-12) return;
-    const double x = v[0] / angle, y = v[1] / angle, z = v[2] / angle, s = sin(angle), c = 1.0 - cos(angle);
-    const double turn[9] = {1 - c * (y * y + z * z), c * x * y - s * z,       c * x * z + s * y,
-                            c * x * y + s * z,       1 - c * (x * x + z * z), c * y * z - s * x,
-                            c * x * z - s * y,       c * y * z + s * x,       1 - c * (x * x + y * y)};
-    double out[9] = {0};
-    for (int i = 0; i < 9; i++)
-        for (int k = 0; k < 3; k++) out[i] += rotation[i / 3 * 3 + k] * turn[k * 3 + i % 3];
-    memcpy(rotation, out, sizeof out);
-}
-
-static void move_by(fan *f, const double step[UNKNOWNS]) {
-    for (int k = 0; k < UNKNOWNS; k++)
-        if (k < TURN || k > TURN + 2) f->x[k] += step[k];
-    turn_by(f->rotation, step + TURN);
-}
-
-/* Up to `rounds` of Levenberg's steps; `scale` mm: what lies farther away counts little. */
-static void improve(fan *f, const border *b, uint32_t every, int rounds, double scale) {
-    double damping = 1e-3;
-    f->cost = cost_of(f, b, every, scale);
-    for (int round = 0; round < rounds; round++) {
-        double normal[UNKNOWNS][UNKNOWNS] = {{0}}, right[UNKNOWNS] = {0}, slope[UNKNOWNS];
-        int surface = 0;
-        for (uint32_t i = 0; i < b->count; i += every) {
-            const double e = beyond(f, b->points[i], &surface, slope);
-            const double root = scale * scale / (e * e + scale * scale), weight = root * root;
-            for (int k = 0; k < UNKNOWNS; k++) {
-                if (slope[k] == 0.0) continue; /* each surface has a few unknowns only */
-                right[k] -= weight * slope[k] * e;
-                for (int m = k; m < UNKNOWNS; m++) normal[k][m] += weight * slope[k] * slope[m];
-            }
-        }
-        bool better = false;
-        for (int trial = 0; trial < 5 && !better; trial++) {
-            double a[UNKNOWNS][UNKNOWNS], step[UNKNOWNS];
-            memcpy(a, normal, sizeof a);
-            memcpy(step, right, sizeof step);
-            for (int k = 0; k < UNKNOWNS; k++) a[k][k] += damping * a[k][k] + 1e-9;
-            solve(a, step);
-            fan next = *f;
-            move_by(&next, step);
-            next.cost = cost_of(&next, b, every, scale);
-            better = next.cost < f->cost; /* never with a NaN */
-            damping = better ? fmax(damping * 0.3, 1e-6) : damping * 5.0;
-            if (better) *f = next;
-        }
-        if (!better) return;
-    }
-}
-
-static int by_value(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Sorts, and gives the value that this share of them is below. */
-static double quantile(double *values, uint32_t count, double share) {
-    qsort(values, count, sizeof *values, by_value);
-    return values[(uint32_t)(share * (count - 1))];
-}
-
-/* ---- trials */
-/* A fan from this face, of these radii at its middle, whose limits hold most of the points. */
-static void begin(fan *f, const border *b, uint32_t every, const double axes[9], double lines,
-                  double planes) {
-    double across[2][FEW * 2], depth[FEW * 2], l[3];
-    uint32_t n = 0;
-    *f = (fan){0};
-    memcpy(f->rotation, axes, sizeof f->rotation);
-    for (int k = 0; k < 3; k++) f->x[PLACE + k] = 0.5 * b->size[k];
-    for (uint32_t i = 0; i < b->count; i += every) {
-        local_place(f, b->points[i], l);
-        depth[n++] = l[2];
-    }
-    const double top = quantile(depth, n, 0.01), bottom = quantile(depth, n, 0.99);
-    for (int k = 0; k < 3; k++) f->x[PLACE + k] += axes[k * 3 + 2] * (top - lines);
-    f->x[SWEEP] = lines - planes;
-    for (uint32_t i = 0, at = 0; i < b->count; i += every, at++) {
-        local_place(f, b->points[i], l);
-        const double w = l[2] - f->x[SWEEP];
-        across[0][at] = atan2(l[0], length_of(l[1], w) + f->x[SWEEP]);
-        across[1][at] = atan2(l[1], w);
-    }
-    f->x[LOW_LINE] = quantile(across[0], n, 0.08);
-    f->x[HIGH_LINE] = quantile(across[0], n, 0.92);
-    f->x[PLANE] = 0.5 * (quantile(across[1], n, 0.92) - quantile(across[1], n, 0.08));
-    f->x[FACE] = lines;
-    f->x[END] = lines + bottom - top;
-}
-
-/* How well it fits, over all points. */
-static void measure(fan *f, const border *b, double *room) {
-    uint32_t close = 0, near = 0;
-    memset(f->on, 0, sizeof f->on);
-    for (uint32_t i = 0; i < b->count; i++) {
-        int surface = 0;
-        room[i] = fabs(beyond(f, b->points[i], &surface, NULL));
-        near += room[i] <= near_by * b->close;
-        if (!(room[i] <= b->close)) continue;
-        close++;
-        f->on[surface]++;
-    }
-    f->share = (double)close / b->count;
-    f->follows = near ? (double)close / near : 0.0;
-    f->median = quantile(room, b->count, 0.5);
-}
-
-/* The best fan from a face. `turned`: of a scan whose axis is not the volume's, 28 degrees to either side. */
-static fan fit_from(const double axes[9], const border *b, double *room, bool turned) {
-    static const double turns[4][3] = {{0.49, 0, 0}, {-0.49, 0, 0}, {0, 0.49, 0}, {0, -0.49, 0}};
-    const uint32_t every = 1 + (b->count - 1) / FEW;
-    fan best = {.cost = 2.0};
-    for (int n = 0; n < 4; n++) {
-        double begun[9];
-        fan f;
-        memcpy(begun, axes, sizeof begun);
-        if (turned) turn_by(begun, turns[n]);
-        begin(&f, b, every, begun, turned ? 60.0 : first_radii[n / 2], turned ? 60.0 : first_radii[n % 2]);
-        improve(&f, b, every, 8, 5.0);
-        improve(&f, b, every, 6, 2.0);
-        if (f.cost < best.cost) best = f;
-    }
-    if (best.cost > 1.0) return best;
-    if (best.cost < 0.6) improve(&best, b, 1 + (b->count - 1) / (5 * FEW), 60, 1.0);
-    measure(&best, b, room);
-    return best;
-}
-
-/* It narrows towards the face it was begun from, and enough of what shows its shape is on it. */
-static bool holds(const fan *f, const border *b, const double axes[9]) {
-    double along = 0.0;
-    for (int k = 0; k < 3; k++) along += f->rotation[k * 3 + 2] * axes[k * 3 + 2];
-    const double widest = fmax(fabs(f->x[LOW_LINE]), fabs(f->x[HIGH_LINE]));
-    const bool possible = f->x[FACE] > 0.0 && f->x[FACE] < parallel_from && widest < 1.4 &&
-                          f->x[LOW_LINE] < f->x[HIGH_LINE] && f->x[PLANE] > 0.0 && f->x[PLANE] < 1.4 &&
-                          f->x[FACE] * cos(widest) > f->x[SWEEP] && f->x[SWEEP] > -parallel_from;
-    const uint32_t lines = f->on[0] + f->on[1], planes = f->on[2] + f->on[3], radii = f->on[4] + f->on[5];
-    const bool seen = (lines > b->count / 50 && planes > b->count / 50) || radii > b->count / 10;
-    return possible && seen && along > most_turn && f->share >= enough && f->median < 0.5 * b->close;
-}
+static const double clear = 0.95;    /* and as much if it is not turned */
+static const double followed = 0.92; /* and this share of what lies near: the rest is cut off */
 
 /* The radius at which the middle line enters the volume. */
 static double first_scanned(const fan *f, const border *b) {
@@ -362,8 +44,8 @@ static double try_face(const hs_volume *v, hs_probe face, const border *b, doubl
     double axes[9], fits = 0.0;
     hs_probe_axes(v, face, axes);
     for (int turned = 0; turned < 2 && fits < 1.0 + clear; turned++) {
-        const fan f = fit_from(axes, b, room, turned == 1);
-        const double now = f.share + (holds(&f, b, axes) ? 1.0 : 0.0);
+        const fan f = hs_fan_from(axes, b, room, turned == 1, -1);
+        const double now = f.share + (hs_fan_holds(&f, b, axes) ? 1.0 : 0.0);
         if (now < fits) continue;
         fits = now;
         *best = f;
@@ -371,12 +53,12 @@ static double try_face(const hs_volume *v, hs_probe face, const border *b, doubl
     return fits;
 }
 
-/* Tries the faces, the stated one first. True with the fan if it is clear; else what to ask. */
-static bool choose_face(const hs_volume *v, const border *b, double *room, hs_course *c, hs_probe *face,
+/* Tries the faces, the stated one first, and says which two fit best. True with the fan of the first if it is
+ * clear; else what to ask. */
+static bool choose_face(const hs_volume *v, const border *b, double *room, hs_course *c, hs_probe face[2],
                         fan *best) {
     const bool stated = c->kind == HS_BEAMS_PARALLEL;
     double first = -1.0, second = -1.0;
-    hs_probe after = v->probe;
     uint32_t held = 0;
     for (int n = 0; n < HS_PROBE_COUNT; n++) {
         const hs_probe at = (hs_probe)(((int)v->probe + n) % HS_PROBE_COUNT);
@@ -385,27 +67,27 @@ static bool choose_face(const hs_volume *v, const border *b, double *room, hs_co
         held += fits > 1.0;
         if (fits > first) {
             second = first;
-            after = *face;
+            face[1] = face[0];
             first = fits;
-            *face = at;
+            face[0] = at;
             *best = f;
         } else if (fits > second) {
             second = fits;
-            after = at;
+            face[1] = at;
         }
         if (stated && n == 0 && held == 1) break;
     }
-    if (held == 1 && (!stated || *face == v->probe)) return true;
-    const bool ahead = first > 0.5 && first > second + 0.1 && !(stated && *face == v->probe);
-    c->asked[0] = *face;
-    c->asked[1] = after;
+    if (held == 1 && (!stated || face[0] == v->probe)) return true;
+    const bool ahead = first > 0.5 && first > second + 0.1 && !(stated && face[0] == v->probe);
+    c->asked[0] = face[0];
+    c->asked[1] = face[1];
     c->asked_count = held > 1 ? 2 : ahead ? 1 : 0;
     return false;
 }
 
 void hs_volume_find_beams(hs_volume *v) {
     hs_course *c = &v->course;
-    hs_probe face = v->probe;
+    hs_probe face[2] = {v->probe, v->probe};
     fan best;
     border b = {0};
     const bool stated = hs_probe_is_known(v);
@@ -419,17 +101,23 @@ void hs_volume_find_beams(hs_volume *v) {
     }
     char doubt[HS_DOUBT_BYTES];
     if (!v->spacing_unsaid && hs_volume_doubt(v, doubt)) return; /* of wrong lengths a fan tells nothing */
-    double *memory = malloc((size_t)MOST * 4 * sizeof *memory);  /* without it, nothing is found */
+    double *memory = malloc((size_t)HS_BORDER_MOST * 4 * sizeof *memory); /* without it, nothing is found */
     if (!memory) return;
-    find_border(v, &b, (double(*)[3])(void *)memory);
-    if (b.count >= LEAST && choose_face(v, &b, memory + 3 * (size_t)MOST, c, &face, &best)) {
-        if (v->spacing_unsaid) { /* a fan in unknown units tells a face, and no place */
-            c->asked[0] = face;
-            c->asked_count = stated ? 0 : 1;
-        } else {
-            c->found = !stated;
-            take(v, face, &best, &b);
-        }
+    double *room = memory + 3 * (size_t)HS_BORDER_MOST;
+    hs_border_find(v, &b, (double(*)[3])(void *)memory);
+    const bool outlined = b.count >= HS_BORDER_LEAST;
+    const bool held = outlined && choose_face(v, &b, room, c, face, &best);
+    if (held && v->spacing_unsaid) { /* a fan in unknown units tells a face, and no place */
+        c->asked[0] = face[0];
+        c->asked_count = stated ? 0 : 1;
+    } else if (held) {
+        c->found = !stated;
+        take(v, face[0], &best, &b);
+    }
+    if (outlined && !v->spacing_unsaid) {
+        if (!hs_fan_find_scale(v, &b, face, held ? best.share : 0.0, room, c->fits))
+            memset(c->fits, 0, sizeof c->fits);
+        c->fits_none = stated && !held;
     }
     if (c->kind != HS_BEAMS_FAN) hs_course_find_noise(v);
     free(memory);

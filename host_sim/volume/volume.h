@@ -46,7 +46,10 @@ typedef struct {
     bool found;     /* the probe's face was found in the fan: nobody stated it */
     hs_probe asked[2]; /* faces where the probe may be, if that is worth a question */
     uint32_t asked_count;
-    bool noisy; /* corners are dark, and not alike: perhaps nothing was scanned there */
+    double
+        fits[3]; /* mm: with this spacing a fan fits, and with the volume's own none; of zeros: none found */
+    bool fits_none; /* the probe's face was stated, something ends the scan, and no fan from there does */
+    bool noisy;     /* corners are dark, and not alike: perhaps nothing was scanned there */
 } hs_course;
 
 /* Directions along the world's axes, origin 0, nothing stated. */

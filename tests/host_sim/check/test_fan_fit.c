@@ -216,6 +216,77 @@ static void oblique_box_is_parallel(void **state) {
     for (int k = 0; k < 3; k++) assert_near(v->probe_turn[3 * k + 2], axis[k], 0.02);
 }
 
+/* What is said of a scan whose lengths are multiplied by these. */
+static const char *asked_of(hs_volume *v, const double by[3], double fits[3]) {
+    static char question[160];
+    const double own[3] = {v->spacing[0], v->spacing[1], v->spacing[2]};
+    for (int k = 0; k < 3; k++) v->spacing[k] *= by[k];
+    hs_volume_find_beams(v);
+    hs_course_question(v, question, sizeof question);
+    memset(v->probe_turn, 0, sizeof v->probe_turn);
+    for (int k = 0; k < 3; k++) {
+        fits[k] = v->course.fits[k] / own[k];
+        v->spacing[k] = own[k];
+    }
+    return question;
+}
+
+/* Every second slice alone: voxels whose sides differ. */
+static void thin_out(hs_volume *v) {
+    const size_t slice = (size_t)v->nx * v->ny;
+    v->nz /= 2;
+    v->spacing[2] *= 2.0;
+    for (size_t z = 1; z < v->nz; z++) memcpy(v->voxels + z * slice, v->voxels + 2 * z * slice, slice);
+}
+
+/* One axis doubled or halved, two exchanged: the outline tells the ratios that were. All of them: it is
+ * asked. */
+static void wrong_spacing_is_told(void **state) {
+    static const double by[][3] = {{2, 1, 1},   {1, 2, 1},   {1, 1, 2},   {0.5, 1, 1},
+                                   {1, 0.5, 1}, {1, 1, 0.5}, {1, 2, 0.5}, {2, 1, 0.5}};
+    static const size_t which[] = {0, 1, 5};
+    for (size_t g = 0; g < sizeof which / sizeof *which; g++) {
+        hs_volume v = copy_of(&geometries[which[g]]);
+        const double twice[3] = {2, 2, 2}, half[3] = {0.5, 0.5, 0.5};
+        double fits[3];
+        hs_beams_free(v.beams);
+        v.beams = NULL;
+        memset(v.probe_turn, 0, sizeof v.probe_turn);
+        thin_out(&v);
+        for (size_t n = 0; n < sizeof by / sizeof *by; n++) {
+            const char *said = asked_of(&v, by[n], fits);
+            bool right = strncmp(said, "As a fan this fits with ", 24) == 0;
+            for (int k = 0; k < 3; k++) right &= fabs(fits[k] / fits[(k + 1) % 3] - 1.0) < 0.08;
+            if (!right)
+                fail_msg("geometry %zu, %g %g %g: %g %g %g, %s", which[g], by[n][0], by[n][1], by[n][2],
+                         fits[0], fits[1], fits[2], said);
+        }
+        assert_non_null(strstr(asked_of(&v, twice, fits), "is the spacing right?"));
+        if (g == 0) /* half of another is a fan as of a probe that is not held on the belly */
+            assert_non_null(strstr(asked_of(&v, half, fits), "is the spacing right?"));
+        assert_string_equal(asked_of(&v, (const double[3]){1, 1, 1}, fits), "");
+        hs_volume_free(&v);
+    }
+}
+
+/* A ball is none from any face: where one was stated, that is a doubt. */
+static void a_stated_face_without_a_fan_is_doubted(void **state) {
+    hs_volume v;
+    char question[160];
+    must(hs_volume_init(&v, 80, 70, 60, &err));
+    for (size_t n = 0; n < hs_volume_count(&v); n++)
+        v.voxels[n] = is_inside(2, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
+                                (double)(n / 5600) / 60 - 0.5);
+    hs_volume_find_beams(&v);
+    hs_course_question(&v, question, sizeof question);
+    assert_string_equal(question, "");
+    hs_volume_scanned_from(&v, HS_PROBE_HIGH_X);
+    hs_volume_find_beams(&v);
+    hs_course_question(&v, question, sizeof question);
+    assert_non_null(strstr(question, "From +x no fan fits what was scanned"));
+    hs_volume_free(&v);
+}
+
 /* Real scans, where they are at hand: some are turned in their box, one ends within the fan. */
 static void real_scans(void **state) {
     static const char *const scans[] = {"fetal_head_21w.mha", "fetal_head_22w.mha", "fetal_head_23w.mha",
@@ -238,4 +309,4 @@ static void real_scans(void **state) {
 }
 
 UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts, others_are_none, oblique_box_is_parallel,
-          real_scans)
+          wrong_spacing_is_told, a_stated_face_without_a_fan_is_doubted, real_scans)

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT */
+#include "volume/fan_shape.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * A fan whose lengths along one axis are wrong is none, so its outline tells which spacing it has: up to a
+ * factor for all axes, which leaves it a fan. Looked for are an axis that is too long or too short, the three
+ * spacings in another order, and where neither is found, a scan so small or large that no fan was.
+ */
+
+static const double better = 0.05; /* of the border: as much more must lie on the fan, for the unknown more */
+static const double enough = 0.85; /* of the border */
+static const double changed = 1.1; /* a smaller factor bends a fan, and leaves it one */
+static const double hardly = 200.0; /* mm: of a longer radius the lines hardly part, and bend by chance */
+static const double first[] = {0.5, 2.0};
+
+typedef struct {
+    border scaled;
+    double (*points)[3];
+    double *room;
+    const hs_probe *faces; /* two */
+    bool turned, found;
+    double share, factor[3]; /* of the best so far */
+} search;
+
+static void scale_border(search *s, const border *b, const double factor[3]) {
+    s->scaled = *b;
+    s->scaled.points = (const double(*)[3])s->points;
+    for (uint32_t i = 0; i < b->count; i++)
+        for (int k = 0; k < 3; k++) s->points[i][k] = b->points[i][k] * factor[k];
+    for (int k = 0; k < 3; k++) s->scaled.size[k] = b->size[k] * factor[k];
+}
+
+/* From a face and from the next best. */
+static void try_factor(search *s, const hs_volume *v, const border *b, const double factor[3], int axis) {
+    scale_border(s, b, factor);
+    for (int n = 0; n < (s->faces[1] == s->faces[0] ? 1 : 2); n++) {
+        double axes[9];
+        hs_probe_axes(v, s->faces[n], axes);
+        const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, axis);
+        if (f.share <= s->share || f.x[FACE] > hardly || !hs_fan_holds(&f, &s->scaled, axes)) continue;
+        s->share = f.share;
+        s->found = true;
+        for (int k = 0; k < 3; k++) s->factor[k] = factor[k] * f.factor[k];
+    }
+}
+
+static void try_orders(search *s, const hs_volume *v, const border *b) {
+    static const int orders[5][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
+    for (int n = 0; n < 5; n++) {
+        double factor[3], most = 1.0;
+        for (int k = 0; k < 3; k++) {
+            factor[k] = v->spacing[orders[n][k]] / v->spacing[k];
+            most = fmax(most, fmax(factor[k], 1.0 / factor[k]));
+        }
+        if (most > changed) try_factor(s, v, b, factor, -1);
+    }
+}
+
+static void try_axes(search *s, const hs_volume *v, const border *b) {
+    for (int axis = 0; axis < 3; axis++)
+        for (size_t n = 0; n < sizeof first / sizeof *first; n++) {
+            double factor[3] = {1.0, 1.0, 1.0};
+            factor[axis] = first[n];
+            try_factor(s, v, b, factor, axis);
+        }
+}
+
+bool hs_fan_find_scale(const hs_volume *v, const border *b, const hs_probe faces[2], double share,
+                       double *room, double spacing[3]) {
+    search s = {.room = room,
+                .points = malloc((size_t)HS_BORDER_MOST * sizeof *s.points),
+                .faces = faces,
+                .share = fmax(enough, share + better),
+                .factor = {1.0, 1.0, 1.0}};
+    if (!s.points || share > enough) {
+        free(s.points);
+        return false;
+    }
+    for (int turned = 0; turned < 2 && !s.found; turned++) {
+        s.turned = turned == 1;
+        try_orders(&s, v, b);
+        try_axes(&s, v, b);
+        for (size_t n = 0; n < sizeof first / sizeof *first && !s.found; n++)
+            try_factor(&s, v, b, (const double[3]){first[n], first[n], first[n]}, -1);
+    }
+    free(s.points);
+    for (int k = 0; k < 3; k++) spacing[k] = v->spacing[k] * s.factor[k];
+    double most = 1.0;
+    for (int k = 0; k < 3; k++) most = fmax(most, fmax(s.factor[k], 1.0 / s.factor[k]));
+    return s.found && most > changed;
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/* The border of a scan, and the toroidal fan that lies closest to it from a face: what fan_fit.c decides by.
+ */
+#pragma once
+
+#include "volume/volume.h"
+
+enum {
+    HS_BORDER_COLUMNS = 40, /* a side of the grid of columns along each axis */
+    HS_BORDER_MOST = 6 * HS_BORDER_COLUMNS * HS_BORDER_COLUMNS, /* points */
+    HS_BORDER_LEAST = 60,                                       /* points that say anything */
+    PLACE = 0,
+    SWEEP = 3,
+    TURN = 4,
+    LOW_LINE = 7,
+    HIGH_LINE,
+    PLANE,
+    FACE,
+    END,
+    SCALE,   /* logarithm of what the lengths along one axis are multiplied by */
+    UNKNOWNS /* of a fan */
+};
+
+typedef struct {
+    const double (*points)[3]; /* mm from the volume's corner */
+    uint32_t count;
+    double size[3]; /* mm */
+    double close;   /* mm: as far may a point lie from a fan that holds it */
+} border;
+
+typedef struct {
+    double rotation[9]; /* row-major: the probe's axes in those of the volume */
+    double x[UNKNOWNS]; /* apex, sweep, (no turn), limits of the lines, of the planes, of the radii, scale */
+    int scaled;         /* the axis whose scale is sought, or -1 */
+    double factor[3];   /* of the lengths along each axis */
+    double cost;        /* 0: all points lie on it, 1: none */
+    double share, median;
+    double follows; /* share of the points near by that are close */
+    uint32_t on[6]; /* points close to each surface, as `beyond` numbers them */
+} fan;
+
+/* Room for HS_BORDER_MOST points. */
+void hs_border_find(const hs_volume *volume, border *out, double (*points)[3]);
+
+/* The best fan from a face. `turned`: of a scan whose axis is not the volume's, 28 degrees to either side.
+ * `scaled`: the axis whose scale is sought, too, or -1. `room`: HS_BORDER_MOST numbers. */
+fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, int scaled);
+
+/* It narrows towards the face it was begun from, and enough of what shows its shape is on it. */
+bool hs_fan_holds(const fan *f, const border *b, const double axes[9]);
+
+/* The spacing with which clearly more of the border lies on a fan than `share`, which is that of the best
+ * with the volume's own: one axis has another, or they stand in another order. Only their ratios are told.
+ * `faces`: from which it may run. False: there is none, or `share` is enough. */
+bool hs_fan_find_scale(const hs_volume *volume, const border *b, const hs_probe faces[2], double share,
+                       double *room, double spacing[3]);
