@@ -2,7 +2,7 @@
 """hostile_recordings.py FOLDER [SEEDS]: recordings that nobody would write, with checksums that hold, and one that is right.
 
 Each is a file of a folder that says what playing it may end with: `right` with 0, `wrong` with 3, `apart` with 1, for they say
-of the plugin what it does not do; `any`, SEEDS files of calls drawn by chance, with 0, 1 or 3.
+of the plugin what it does not do; `needy` is for a limit below what a plugin needs; `any`, SEEDS files of calls drawn by chance, with 0, 1 or 3.
 """
 
 import random
@@ -245,7 +245,9 @@ def drawn(chance: random.Random) -> bytes:
     return out
 
 
-kinds = {"right": right, "wrong": wrong, "apart": apart}
+# What costs its player 96 MiB, and a plugin more.
+needy = {"many_rays": start + done(ACTIVATE, form(side=2048, slices=8)) + off}
+kinds = {"right": right, "wrong": wrong, "apart": apart, "needy": needy}
 kinds["any"] = {f"seed_{n}": drawn(random.Random(n)) for n in range(int(sys.argv[2]) if len(sys.argv) > 2 else 24)}
 for kind, files in kinds.items():
     folder = Path(sys.argv[1], kind)

@@ -129,9 +129,13 @@ for file in "$work"/hostile/apart/*.svr; do
     for plugin in examples/first_edge.so smartvis.so; do
         holds code 1 bounded "$file" --plugin "$build/$plugin"
         holds says 'recorded '
+        holds [ "$(grep -c 'lasts here' "$work/said")" = 0 ] # what was refused there has ended here
     done
 done
 holds says 'activate: SV_OK, recorded SV_ERR_NO_MEMORY'
+# What is handed over would fit; what the plugin says that it needs does not.
+holds code 3 bounded "$work/hostile/needy/many_rays.svr" --plugin "$build/smartvis.so" --guard-memory 100
+holds says 'activate: 2048 x 2048 x 8 voxels in rows of .* take [0-9]+ MiB, and a recording of this size may take 100: '
 one_of_three() { bounded "$@"; case $? in 0 | 1 | 3) ;; *) cat "$work/said"; return 1 ;; esac; }
 for file in "$work"/hostile/any/*.svr; do holds one_of_three "$file" --plugin "$build/smartvis.so"; done
 
