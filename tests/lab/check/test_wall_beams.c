@@ -94,6 +94,30 @@ static void test_grid_follows_the_fan(void **state) {
     check_grid(&b, 70.0);
 }
 
+/* Beams come from in front: a fan whose axis or apex lies behind the volume's middle says as much as parallel
+ * beams. */
+static void test_a_fan_from_behind_is_none(void **state) {
+    static const float fans[][2] = {{-60.5f, 150.0f}, {200.0f, 0.0f}, {140.0f, -200.0f}}; /* apex, sweep */
+    const sv_wall_settings s = sv_wall_settings_default();
+    const double mm[3] = {1.0, 1.0, 1.0};
+    const sv_wall_layout camera = sv_wall_layout_of(COLUMNS, ROWS, 2 * LAYERS, mm, &s);
+    const sv_wall_layout layout = sv_wall_grid_layout(&s);
+    sv_beams parallel = {.kind = SV_BEAMS_PARALLEL};
+    memcpy(parallel.rotation, STRAIGHT, sizeof STRAIGHT);
+    for (size_t n = 0; n < sizeof fans / sizeof *fans; n++) {
+        sv_wall_grid wanted, grid;
+        sv_beams b = parallel;
+        b.kind = SV_BEAMS_FAN;
+        memcpy(b.apex_mm, (const float[]){29.5f, 24.5f, fans[n][0]}, sizeof b.apex_mm);
+        b.sweep_mm = fans[n][1];
+        memset(&wanted, 0, sizeof wanted);
+        memset(&grid, 0, sizeof grid);
+        assert_true(sv_wall_grid_of(&camera, &layout, mm, &parallel, &s, &wanted));
+        assert_true(sv_wall_grid_of(&camera, &layout, mm, &b, &s, &grid));
+        assert_memory_equal(&grid, &wanted, sizeof grid);
+    }
+}
+
 static void test_untold_beams_have_no_grid(void **state) {
     const sv_wall_settings s = sv_wall_settings_default();
     const double mm[3] = {1.0, 1.0, 1.0};
@@ -184,6 +208,11 @@ static void test_an_answer_holds_for_its_volume(void **state) {
     assert_int_equal(frame_of(r, t, &hidden, true, true), SV_NO_SURFACE);
     (void)frame_of(r, t, &hidden, false, false);
     assert_int_equal(frame_of(r, t, &hidden, true, true), SV_OK);
+    /* A frame that tells no beams leaves no answer along them: the next one that does is asked anew. */
+    rig_tell(t, &(const sv_beams){.side = {0, 0, 0}});
+    (void)frame_of(r, t, &hidden, true, true);
+    rig_tell(t, &beams);
+    assert_int_equal(frame_of(r, t, &bare, true, true), SV_NO_SURFACE);
 }
 
 /* A probe that is turned by three angles, in degrees: about its z, then x, then the volume's y. */
@@ -264,5 +293,6 @@ static void test_kernels_follow_the_definition(void **state) {
 
 UNIT_MAIN_OF(NULL, NULL, cmocka_unit_test(test_grid_follows_the_fan),
              cmocka_unit_test(test_untold_beams_have_no_grid),
+             cmocka_unit_test(test_a_fan_from_behind_is_none),
              cmocka_unit_test(test_every_camera_has_the_same_answer),
              RIG_TEST(test_an_answer_holds_for_its_volume), RIG_TEST(test_kernels_follow_the_definition))
