@@ -42,6 +42,8 @@ static const hs_option options[] = {
     HS_TEXT("listen", "ADDR", AT(address.listen),
             "address to listen on; others than this machine can then reach the console, if they know the\n"
             "token, and everything goes over the net as it is [127.0.0.1]"),
+    HS_TEXT("behind", "URL", AT(address.behind),
+            "address under which a proxy shows the page, https://HOST/PATH/: its requests are then let in"),
     HS_IN(COUNT, "lowres", "N", AT(shared.lowres), 1, 8192,
           "pixels across the plugin's volume: fewer of them are quicker and cost quality [a pixel is 1 mm "
           "wide,\n"
@@ -114,7 +116,7 @@ static void wait_for_end(hs_console_server *server, bool stay) {
 }
 
 static bool serve(console_line *line, hs_error *err) {
-    char address[256];
+    char address[640];
     watch_signals();
     if (!offer_plugins(line, err)) return false;
     hs_console_drop_open(&line->shared.files);

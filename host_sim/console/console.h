@@ -384,6 +384,10 @@ bool hs_console_token_fits(const char *query, const char *token);
  * one of its own. */
 bool hs_console_host_is_ours(const char *host, bool loopback);
 
+/* Reads a proxy's address, "http(s)://HOST[:PORT]/[PATH/]": its origin ("https://HOST") and, behind the two
+ * slashes of that, the Host of its requests. False: it is none, or too long. */
+bool hs_console_behind(const char *address, char *origin, size_t bytes);
+
 /* True if the header Origin (or NULL) is that of a page which this server sent: "http://" and its Host. */
 bool hs_console_origin_is_ours(const char *origin, const char *host);
 
@@ -394,6 +398,7 @@ bool hs_console_origin_is_ours(const char *origin, const char *host);
 typedef struct {
     const char *listen; /* address; NULL: 127.0.0.1 */
     uint32_t port;      /* 0: any that is free */
+    const char *behind; /* "https://HOST/PATH/" under which a proxy shows the page; NULL: none does */
 } hs_console_address;
 
 typedef struct hs_console_server hs_console_server;

@@ -58,6 +58,20 @@ bool hs_console_host_is_ours(const char *host, bool loopback) {
     return is_address(host, length, AF_INET) || is_address(host, length, AF_INET6);
 }
 
+bool hs_console_behind(const char *address, char *origin, size_t bytes) {
+    const char *const slashes = strstr(address, "://");
+    if (strncmp(address, "http://", 7) != 0 && strncmp(address, "https://", 8) != 0) return false;
+    const size_t host =
+        strspn(slashes + 3, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-:[]");
+    const char *const path = slashes + 3 + host;
+    const size_t length = (size_t)(path - address);
+    if (host == 0 || path[0] != '/' || path[strlen(path) - 1] != '/' || length >= bytes) return false;
+    if (strcspn(path, "?#\"<> ") != strlen(path)) return false;
+    memcpy(origin, address, length);
+    origin[length] = '\0';
+    return true;
+}
+
 bool hs_console_origin_is_ours(const char *origin, const char *host) {
     static const char scheme[] = "http://";
     return origin && host && strncmp(origin, scheme, sizeof scheme - 1) == 0 &&

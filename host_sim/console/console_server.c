@@ -35,7 +35,8 @@ struct hs_console_server {
     char token[HS_CONSOLE_TOKEN];
     char host[64]; /* as it stands in the address */
     bool loopback;
-    pthread_mutex_t lock; /* of what follows, and held until the server has started */
+    char behind[512], origin[256]; /* a proxy's address and origin; "": there is none */
+    pthread_mutex_t lock;          /* of what follows, and held until the server has started */
     uint32_t port;
     uint32_t pages, ever;
     uint64_t turns;                      /* connections so far */
@@ -142,17 +143,29 @@ static int answer_error(struct mg_connection *c, int status, const char *message
     return 0;
 }
 
+/* Whether a header is what a request by way of the proxy has: `skip` letters into its origin. */
+static bool is_proxys(const hs_console_server *server, const char *header, size_t skip) {
+    return server->origin[0] != '\0' && header && strcmp(header, server->origin + skip) == 0;
+}
+
+static bool names_proxy(const hs_console_server *server, const struct mg_connection *c) {
+    const char *slashes = strstr(server->origin, "://");
+    return slashes && is_proxys(server, mg_get_header(c, "Host"), (size_t)(slashes - server->origin) + 3);
+}
+
 /* Whether the request, which is whole, names this server. */
 static bool is_for_us(hs_console_server *server, const struct mg_connection *c) {
     (void)pthread_mutex_lock(&server->lock);
     take_turn(server, guest_of(server, c), c);
     (void)pthread_mutex_unlock(&server->lock);
-    return hs_console_host_is_ours(mg_get_header(c, "Host"), server->loopback);
+    return names_proxy(server, c) || hs_console_host_is_ours(mg_get_header(c, "Host"), server->loopback);
 }
 
 /* Whether the page of the request is this server's, and has the token. */
 static bool is_our_page(const hs_console_server *server, const struct mg_connection *c) {
-    return hs_console_origin_is_ours(mg_get_header(c, "Origin"), mg_get_header(c, "Host")) &&
+    const char *origin = mg_get_header(c, "Origin"), *host = mg_get_header(c, "Host");
+    return (is_proxys(server, origin, 0) ||
+            (!names_proxy(server, c) && hs_console_origin_is_ours(origin, host))) &&
            hs_console_token_fits(mg_get_request_info(c)->query_string, server->token);
 }
 
@@ -300,6 +313,12 @@ static bool take_address(hs_console_server *server, const hs_console_address *ad
     static const uint8_t one[16] = {[15] = 1};
     if (!four && !six)
         return hs_fail(err, HS_ERR_USAGE, "--listen: '%s' is no address of IPv4 or IPv6", listen);
+    if (address->behind && (strlen(address->behind) >= sizeof server->behind ||
+                            !hs_console_behind(address->behind, server->origin, sizeof server->origin)))
+        return hs_fail(err, HS_ERR_USAGE,
+                       "--behind: '%.100s', expected http(s)://HOST/ or http(s)://HOST/PATH/",
+                       address->behind);
+    if (address->behind) (void)snprintf(server->behind, sizeof server->behind, "%s", address->behind);
     if (six && !mg_check_feature(MG_FEATURES_IPV6))
         return hs_fail(err, HS_ERR_USAGE, "--listen %s: this machine's web server, libcivetweb, has no IPv6",
                        listen);
@@ -378,7 +397,10 @@ hs_console_server *hs_console_server_open(const hs_console_shared *shared, const
 }
 
 void hs_console_server_address(const hs_console_server *server, char *out, size_t bytes) {
-    (void)snprintf(out, bytes, "http://%s:%u/?t=%s", server->host, server->port, server->token);
+    if (server->behind[0] != '\0')
+        (void)snprintf(out, bytes, "%s?t=%s", server->behind, server->token);
+    else
+        (void)snprintf(out, bytes, "http://%s:%u/?t=%s", server->host, server->port, server->token);
 }
 
 uint32_t hs_console_server_pages(hs_console_server *server, uint32_t *ever) {

@@ -9,7 +9,7 @@ async function takeFile(file) {
   if (most && file.size > most) return notice(file.name + ": only " + short(most / 2 ** 30) + " GiB can be dropped; \"host_sim console FOLDER\" opens it where it is.", false);
   notice("Copying " + file.name + " …", true);
   const query = new URLSearchParams({ t: token(), name: file.name });
-  const answer = await fetch("/drop?" + query, { method: "POST", body: file }).catch(() => null);
+  const answer = await fetch("drop?" + query, { method: "POST", body: file }).catch(() => null);
   if (!answer?.ok) return notice(answer ? await answer.text() : file.name + ": the console does not take it.", false);
   const path = await answer.text();
   link.hello.files.push({ folder, path });

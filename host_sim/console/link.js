@@ -112,7 +112,8 @@ function token() {
 }
 
 function connect() {
-  const socket = new WebSocket("ws://" + location.host + "/live?" + new URLSearchParams({ t: token() }));
+  /* Beside the page, wherever a proxy shows it; ws: of http:, wss: of https:. */
+  const socket = new WebSocket(new URL("live?" + new URLSearchParams({ t: token() }), location.href).href.replace(/^http/, "ws"));
   socket.binaryType = "arraybuffer";
   socket.onmessage = (event) => {
     if (typeof event.data === "string") takeText(JSON.parse(event.data));
