@@ -14,7 +14,8 @@
  *
  *   author_method.h    the types, and what a method may call: the part to read
  *   author_checks.h    what the ABI's header demands of a host
- *   author_calls.h     the twelve functions of a plugin
+ *   author_any.h       the functions of a plugin for any thread
+ *   author_calls.h     the other ones, and how an instance is made
  *   author_cl.h        for kernels; include <CL/cl.h> before it
  *
  * C99 to C23 and C++11 to C++20. Nothing here allocates on the frame path.
