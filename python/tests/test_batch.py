@@ -4,6 +4,7 @@ the whole batch is killed in the middle."""
 
 import csv
 import fcntl
+import json
 import os
 import pty
 import re
@@ -111,6 +112,10 @@ def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> Non
     again = _study.batch(found, SETTINGS, out, client, lambda: None)
     changed = {p for p, t in rows_of(out).items() if before[p] != t}
     assert len(changed) == 2 and [r["state"] for r in again] == [r["state"] for r in rows]  # the broken are tried anew
+    row = _study.row_path(out, files[0], 0)  # a volume that failed though its file can be read
+    row.write_text(json.dumps({**json.loads(row.read_text()), "state": "plugin"}))
+    again = _study.batch(found, SETTINGS, out, client, lambda: None)
+    assert json.loads(row.read_text())["state"] == "ok" and [r["state"] for r in again] == [r["state"] for r in rows]
 
 
 def test_a_worker_that_is_killed_loses_nothing(tmp_path: Path, doomed) -> None:
