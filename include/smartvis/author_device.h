@@ -6,6 +6,7 @@
 
 #include "smartvis/author.h"
 #include "smartvis/author_objects.h"
+#include "smartvis/author_runtime.h"
 
 SMARTVIS_BEGIN_C
 
@@ -184,10 +185,13 @@ static inline sv_status sva_cl_check_method(sva *a) {
 static inline sv_status sva_cl_open(sva *a, const char *source, const char *const *kernels, uint32_t count) {
     sva_cl *cl = (sva_cl *)a->own;
     const size_t rays = sva_rays(a);
+    sva_handlers host;
     sv_status s = sva_cl_check_method(a);
     if (s != SV_OK) return s;
+    sva_handlers_keep(&host); /* a compiler takes them, too */
     s = sva_cl_find_device(a);
     if (s == SV_OK) s = sva_cl_build(a, source);
+    sva_handlers_put_back(&host);
     for (uint32_t i = 0; i < count && s == SV_OK; i++) s = sva_cl_kernel(a, kernels[i]);
     cl->settle = cl->kernel_count;
     if (s == SV_OK) s = sva_cl_kernel(a, "sva_settle");
