@@ -22,9 +22,10 @@ static void print_pose(const hs_volume *v) {
     else
         (void)printf("  in the patient: not said\n");
     if (v->pose.contradicted[0])
-        hs_print(stdout,
-                 "  AnatomicalOrientation says %s instead: TransformMatrix counts, as in ITK and 3D Slicer\n",
-                 v->pose.contradicted);
+        hs_print(
+            stdout,
+            "  AnatomicalOrientation says %s instead: only TransformMatrix counts, as in ITK and 3D Slicer\n",
+            v->pose.contradicted);
     if (hs_pose_is_mirrored(&v->pose))
         (void)printf("  the axes are left-handed: pictures are drawn with x reversed, as the patient is\n");
     hs_print(stdout, "  first voxel at (%g, %g, %g) mm%s\n", v->pose.origin[0], v->pose.origin[1],

@@ -201,7 +201,7 @@ static bool can_look_from(const hs_source *source, const hs_loop_options *option
     const hs_volume *volume = hs_source_shape(source);
     return options->from == HS_FROM_PROBE || volume->pose.stated ||
            hs_fail(err, HS_ERR_INPUT,
-                   "%s: does not say how it lies in the patient (TransformMatrix, AnatomicalOrientation), so "
+                   "%s: does not say how it lies in the patient (TransformMatrix), so "
                    "there is no view %s",
                    volume->name, hs_from_name(options->from));
 }

@@ -235,31 +235,23 @@ static bool read_offset(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
     return true;
 }
 
-/* ITK's and PLUS' own, whatever they know. */
-static bool is_identity(const hs_pose *pose) {
-    for (int i = 0; i < 9; i++)
-        if (pose->direction[i] != (i % 4 == 0)) return false;
-    return true;
-}
-
 /*
  * TransformMatrix, Offset (each with its other names) and AnatomicalOrientation, of a header of `dims` (3 or
- * 4) dimensions. The matrix counts; without one the letters do. The pose is stated if the file has letters
- * alone, or a matrix that is not the identity: ITK writes the identity, and its letters RAI, for whatever
- * says nothing.
+ * 4) dimensions. The matrix alone counts, as for ITK and 3D Slicer. It says how the patient lies unless it is
+ * the identity, which ITK writes for whatever says nothing, or the letters are ???, or a result of ours says
+ * that nobody knew.
  */
 static bool check_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
     const bool has_matrix = hs_met_has(text, HS_MET_F_TRANSFORM);
     const char *letters =
         hs_met_has(text, HS_MET_F_ANATOMICAL) ? text->fields[HS_MET_F_ANATOMICAL].value : "";
-    const size_t known = strcspn(letters, "?");
+    const bool is_unplaced =
+        hs_met_has(text, HS_MET_F_NOTES) && strcmp(text->fields[HS_MET_F_NOTES].value, HS_MET_UNPLACED) == 0;
     char spatial[4] = "", own[4];
     hs_pose_default(pose);
     if ((has_matrix && !read_directions(text, dims, pose)) || !read_offset(text, dims, pose)) return false;
-    if (known == 0) { /* none, or "???": ITK writes that for every file of four dimensions */
-        pose->stated = has_matrix && !is_identity(pose);
-        return true;
-    }
+    pose->stated = has_matrix && !hs_pose_is_identity(pose) && *letters != '?' && !is_unplaced;
+    if (*letters == '?' || *letters == '\0') return true;
     /* In four dimensions the fourth letter says nothing about space. */
     const size_t count = strlen(letters);
     hs_pose lettered = *pose;
@@ -267,9 +259,7 @@ static bool check_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
     if (count < 3 || count > dims || !hs_pose_from_letters(&lettered, spatial))
         return hs_met_bad_value(text, HS_MET_F_ANATOMICAL,
                                 "three letters, one of R L, one of A P and one of I S, or ???");
-    if (!has_matrix) *pose = lettered;
     hs_pose_letters(pose, own);
-    pose->stated = !has_matrix || !is_identity(pose) || strcasecmp(own, spatial) != 0;
     if (strcasecmp(own, spatial) != 0)
         for (int i = 0; i < 3; i++) pose->contradicted[i] = (char)toupper((unsigned char)spatial[i]);
     return true;

@@ -7,6 +7,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* What a result says in ITK_FileNotes, the one field that ITK hands on from format to format, where its
+ * source does not say how it lies in the patient. */
+#define HS_MET_UNPLACED "SmartVis: not the axes of a patient"
+
 enum { HS_MET_SHOWN_BYTES = 64 }; /* of a value in a message */
 
 /* The fields that are used, by their first name. All others are skipped unseen. */
@@ -28,6 +32,7 @@ enum { HS_MET_SHOWN_BYTES = 64 }; /* of a value in a message */
     X(TRANSFORM, "TransformMatrix")                                                                          \
     X(OFFSET, "Offset")                                                                                      \
     X(ANATOMICAL, "AnatomicalOrientation")                                                                   \
+    X(NOTES, "ITK_FileNotes")                                                                                \
     X(KINDS, "Kinds")                                                                                        \
     X(ULTRASOUND, "UltrasoundImageOrientation")
 #define HS_MET_FIELD_ID(id, name) HS_MET_F_##id,

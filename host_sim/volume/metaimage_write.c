@@ -2,6 +2,7 @@
 #include "volume/metaimage_write.h"
 
 #include "core/output_file.h"
+#include "volume/metaimage_parts.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -70,6 +71,8 @@ static void write_pose(FILE *f, const hs_metaimage_stream *s) {
     char letters[4] = "???";
     if (s->pose.stated) hs_pose_letters(&s->pose, letters);
     (void)fprintf(f, "\nAnatomicalOrientation = %s%s\n", letters, dims == 4 ? "?" : "");
+    if (!s->pose.stated && !hs_pose_is_identity(&s->pose))
+        (void)fprintf(f, "ITK_FileNotes = " HS_MET_UNPLACED "\n");
 }
 
 static void write_fields(FILE *f, const hs_metaimage_stream *s) {

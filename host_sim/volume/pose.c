@@ -20,6 +20,12 @@ void hs_pose_default(hs_pose *pose) {
     *pose = (hs_pose){.direction = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 }
 
+bool hs_pose_is_identity(const hs_pose *pose) {
+    for (int i = 0; i < 9; i++)
+        if (pose->direction[i] != (i % 4 == 0)) return false;
+    return true;
+}
+
 bool hs_pose_is_mirrored(const hs_pose *pose) {
     const double *d = pose->direction;
     return d[0] * (d[4] * d[8] - d[5] * d[7]) - d[1] * (d[3] * d[8] - d[5] * d[6]) +

@@ -19,7 +19,7 @@ typedef struct {
     double origin[3];    /* mm; where the centre of voxel (0, 0, 0) lies */
     double direction[9]; /* row-major; column a is where index a grows to. Orthonormal; det -1: left-handed */
     bool stated;         /* the file says how the patient lies; else only lengths and angles hold */
-    char contradicted[4]; /* orientation letters of the file that the directions contradict, or "" */
+    char contradicted[4]; /* orientation letters of the file that do not count, or "" */
 } hs_pose;
 
 /* The face of the volume that the probe touches. The beams run from it to the opposite one. */
@@ -54,6 +54,9 @@ typedef struct {
 
 /* Directions along the world's axes, origin 0, nothing stated. */
 void hs_pose_default(hs_pose *pose);
+
+/* True if the axes are the world's, as ITK and PLUS write for whatever they know nothing of. */
+bool hs_pose_is_identity(const hs_pose *pose);
 
 /* True if the axes are left-handed: what is drawn along them without care is a mirror image. */
 bool hs_pose_is_mirrored(const hs_pose *pose);

@@ -318,7 +318,7 @@ class Clipper:
         why, doubt = result.why, result.doubt
         if levels.doubt:  # of a size that no scan has nothing else is the reason
             why, doubt = levels.doubt if look.known and not result.clips else why, levels.doubt
-        doubt = f"{doubt} {levels.question}".strip()
+        doubt = " ".join(filter(None, (doubt, levels.question, look.of.told)))
         known = {"camera": look.camera, "spacing_known": look.known, "source": look.of.source, "window": self._window}
         return replace(result, why=why, doubt=doubt, **known)
 

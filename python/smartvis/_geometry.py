@@ -146,24 +146,6 @@ def patched(path: Path, fields: dict[str, str]) -> Any:
     return copy
 
 
-def unsay_spacing(path: Path) -> None:
-    """Takes the 1 mm that ITK writes where nothing is known out of a NRRD, MetaImage or NIfTI."""
-    name, data = path.name.lower(), path.read_bytes()
-    if name.endswith((".nii", ".nii.gz")):
-        packed = name.endswith(".gz")
-        nifti = bytearray(gzip.decompress(data) if packed else data)
-        nifti[123:124] = bytes(1)  # xyzt_units
-        nifti[252:256] = bytes(4)  # qform_code, sform_code
-        data = gzip.compress(nifti, mtime=0) if packed else bytes(nifti)
-    elif name.endswith((".nrrd", ".nhdr")):
-        head, blank, voxels = data.partition(b"\n\n")
-        data = re.sub(rb"\nspace(?: directions| origin)?: [^\n]*", b"", head) + blank + voxels
-    elif name.endswith((".mha", ".mhd")):
-        head, last, voxels = data.partition(b"\nElementDataFile")
-        data = re.sub(rb"\nElementSpacing = [^\n]*", b"", head) + last + voxels
-    path.write_bytes(data)
-
-
 def first_bytes(path: Path) -> bytes:
     with open(path, "rb") as file:
         return file.read(512)

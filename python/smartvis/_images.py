@@ -25,12 +25,22 @@ NOT_SAID = "smartvis_spacing_not_said"  #: a key of images whose file does not s
 PROBE = "smartvis_probe_side"  #: of images whose file says at which side the probe was
 
 
+PLACE = "smartvis_place_not_said"  #: of images whose file does not say how they lie in the patient
+
+
+FILE_NOTES = "ITK_FileNotes"  #: the one field that ITK hands on from every format to every other
+UNPLACED = "SmartVis: not the axes of a patient"  #: what results say there of such images
+
+
+TOLD = "smartvis_told"  #: what is to be told of an image's file, in sentences
+
+
 KRETZ = "smartvis_kretz"  #: of Cartesian copies: the Kretz file, the volume's number and whether it is mirrored
 
 
 def parts(image: Any) -> tuple[Any, ...]:
     """What an image consists of, for another process: voxels, spacing, origin, direction, our own notes."""
-    notes = {key: image.GetMetaData(key) for key in (NOT_SAID, PROBE, KRETZ) if image.HasMetaDataKey(key)}
+    notes = {key: image.GetMetaData(key) for key in (NOT_SAID, PLACE, PROBE, TOLD, KRETZ) if image.HasMetaDataKey(key)}
     vector = image.GetNumberOfComponentsPerPixel() > 1
     voxels = sitk().GetArrayFromImage(image)
     return voxels, vector, image.GetSpacing(), image.GetOrigin(), image.GetDirection(), notes
@@ -50,6 +60,11 @@ def whole(voxels: Any, vector: bool, spacing: Any, origin: Any, direction: Any, 
 def probe(image: Any) -> str | None:
     """The side at which the probe was, where the image's file says it."""
     return str(image.GetMetaData(PROBE)) if image.HasMetaDataKey(PROBE) else None
+
+
+def told(image: Any) -> str:
+    """What is to be told of the image's file, or ""."""
+    return str(image.GetMetaData(TOLD)) if image.HasMetaDataKey(TOLD) else ""
 
 
 def kretz(image: Any) -> tuple[str, int, bool] | None:
@@ -107,6 +122,12 @@ def like(image: Any, voxels: NDArray[Any]) -> Any:
     """`voxels` as an image with the geometry of `image`, known or not."""
     made = sitk().GetImageFromArray(voxels.astype(np.uint8) if voxels.dtype == bool else voxels)
     made.CopyInformation(image)
-    if not says_spacing(image):
-        made.SetMetaData(NOT_SAID, "1")
+    return says_no_more(made, image)
+
+
+def says_no_more(made: Any, image: Any) -> Any:
+    """`made` of an image, with what that one does not say."""
+    for key in (NOT_SAID, PLACE):
+        if image.HasMetaDataKey(key):
+            made.SetMetaData(key, image.GetMetaData(key))
     return made

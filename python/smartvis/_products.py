@@ -35,7 +35,7 @@ def depth_image(image: Any, result: Result) -> Any:
     made.SetOrigin(_images.in_world(image, camera.to_volume_mm(np.zeros(3))).tolist())
     if not result.spacing_known:
         made.SetMetaData(_images.NOT_SAID, "1")
-    return made
+    return _images.says_no_more(made, image)
 
 
 def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -3,25 +3,22 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import glob
 import gzip
 import math
 import os
 import re
-import sys
-import tempfile
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from . import _dicom, _geometry, _host, _images, _kretz
+from ._complaints import RIGHT_ANGLES, no_warning, reason, unreadable
 from ._errors import FileError, HostError
-from ._text import plain
 from ._volume import checked_spacing
 
 _HEADER = 1 << 24  # bytes of a header's text at most, as in the host
@@ -29,7 +26,6 @@ _MOST_VOXELS = 1 << 31  # of a volume, as in the host
 _KEPT_VOXELS = 1 << 28
 _FAR = 1e9  # of any number of a geometry: ITK squares them
 _ASKEW = 1e-3  # of directions, as in the host
-_RIGHT_ANGLES = "its axes are not at right angles, as voxels are taken to be"
 _PATIENT = re.compile(r"left|right|[LR][AP]S", re.IGNORECASE)  # of a NRRD's spaces
 
 
@@ -45,6 +41,7 @@ class Reader:
         self._reader: Any = None
         self._unchecked = self.path.suffix.lower() in (".mha", ".mhd")
         self._host_says_patient = False
+        self._told: list[str] = []  # what a user may take otherwise than we do
         self._whole: Any = None
         self._dicom: list[_dicom.Volume] = []
         self._scale = 1.0  # mm of the file's unit
@@ -53,7 +50,7 @@ class Reader:
         try:
             self._open()
         except OSError as error:
-            raise _unreadable(self.path, error) from None
+            raise unreadable(self.path, error) from None
         except RuntimeError as error:
             self._ask_host()  # its reason is the better one
             raise FileError(f"{self.path}: {reason(error)}") from None
@@ -83,7 +80,7 @@ class Reader:
         reader.SetFileName(self._patched.name if self._patched else str(self.path))
         if self.path.suffix in (".MHA", ".MHD"):  # ITK looks at the name first
             reader.SetImageIO("MetaImageIO")
-        with _no_warning(self.path):
+        with no_warning(self.path):
             reader.ReadImageInformation()
         size, values = reader.GetSize(), reader.GetNumberOfComponents()
         self._believable(reader)
@@ -127,7 +124,7 @@ class Reader:
         self._numbers_that_hold(reader)
         axes = np.reshape(reader.GetDirection(), (len(size), len(size)))
         if np.abs(axes.T @ axes - np.eye(len(size))).max() > _ASKEW:
-            raise FileError(f"{self.path}: {_RIGHT_ANGLES}")
+            raise FileError(f"{self.path}: {RIGHT_ANGLES}")
         if not np.isfinite(origin).all():
             raise FileError(f"{self.path}: origin={origin}, expected finite numbers")
         if math.prod(size[:3]) > _MOST_VOXELS:
@@ -165,7 +162,10 @@ class Reader:
         if not self._unchecked:
             return
         try:
-            self._host_says_patient = "\n  in the patient: not said" not in _host.run(["info", "--", str(self.path)])
+            said = _host.run(["info", "--", str(self.path)])
+            self._host_says_patient = "\n  in the patient: not said" not in said
+            letters = re.search(r"^  (AnatomicalOrientation says .*)$", said, re.MULTILINE)
+            self._told += [f"{letters[1]}."] if letters else []
         except HostError as error:
             if "give a window" not in str(error):  # said of values that were all read; clip says so, too
                 raise _of_host(self.path, error) from None
@@ -179,10 +179,32 @@ class Reader:
             return self._dicom[0].in_patient
         if self._kretz is not None or self.path.suffix.lower() in (".mha", ".mhd"):
             return self._host_says_patient
+        return self._claims_place() and not self._is_identity()
+
+    def _is_identity(self) -> bool:
+        """ITK's own axes, which it writes for whatever says nothing."""
         read = self._reader
+        n = read.GetDimension()
+        axes = np.reshape(read.GetDirection(), (n, n))[:3, :3]
+        return bool(np.allclose(axes, np.eye(3)))
+
+    def _claims_place(self) -> bool:
+        """Whether the file's words, true or written for want of better, are those of the patient's axes."""
+        said, read = self._fields, self._reader
+        if self.path.suffix.lower() in (".mha", ".mhd"):
+            matrix = any(name in said for name in ("transformmatrix", "rotation", "orientation"))
+            letters = said.get("anatomicalorientation", "?")
+            return matrix and not letters.startswith("?")
+        if read.HasMetaDataKey(_images.FILE_NOTES) and read.GetMetaData(_images.FILE_NOTES) == _images.UNPLACED:
+            return False  # a result of ours, perhaps written anew by another program
         codes = [read.GetMetaData(code) for code in ("qform_code", "sform_code") if read.HasMetaDataKey(code)]
-        said = any(code.strip() != "0" for code in codes) or bool(_PATIENT.match(self._fields.get("space", "")))
-        return said and not np.allclose(read.GetDirection()[:9], np.eye(read.GetDimension()).ravel()[:9])
+        return any(code.strip() != "0" for code in codes) or bool(_PATIENT.match(said.get("space", "")))
+
+    def _says_place(self) -> bool:
+        """Whether results may say what ITK writes: where the axes are ITK's own, as much as the file does."""
+        if self._kretz is not None or self._reader is None or self.knows_patient:
+            return self.knows_patient
+        return self._claims_place() and self._is_identity()
 
     def read(self, number: int = 0) -> Any:
         """Volume `number` as a SimpleITK image of 3 dimensions with one value a voxel."""
@@ -190,18 +212,26 @@ class Reader:
         if self._reader is not None and self._fields.get(status, "").upper() == "INVALID":
             raise FileError(f"{self.path}: ImageStatus of volume {number} is INVALID")
         try:
-            if self._dicom:
-                return self._read_dicom(self._dicom[number])
-            if self._kretz is not None:
-                if self._kretz[0] != number:
-                    self._kretz = (number, self._read_kretz(number))
-                return self._kretz[1]
-            with _no_warning(self.path):
-                return self._said(self._grey(self._read(number)))
+            image = self._read_any(number)
         except OSError as error:
-            raise _unreadable(self.path, error) from None
+            raise unreadable(self.path, error) from None
         except RuntimeError as error:
             raise FileError(f"{self.path}: {reason(error)}") from None
+        if not self._says_place():
+            image.SetMetaData(_images.PLACE, "1")
+        if self._told:
+            image.SetMetaData(_images.TOLD, " ".join(self._told))
+        return image
+
+    def _read_any(self, number: int) -> Any:
+        if self._dicom:
+            return self._read_dicom(self._dicom[number])
+        if self._kretz is not None:
+            if self._kretz[0] != number:
+                self._kretz = (number, self._read_kretz(number))
+            return self._kretz[1]
+        with no_warning(self.path):
+            return self._said(self._grey(self._read(number)))
 
     def _said(self, image: Any) -> Any:
         """Lengths in mm, and a note where the file says none; the probe's side, where it says that."""
@@ -321,72 +351,3 @@ def _inflated(path: Path) -> int:
     except (OSError, EOFError, zlib.error) as error:
         raise FileError(f"{path}: {error}") from None
     return count
-
-
-@contextlib.contextmanager
-def _no_warning(path: Path) -> Iterator[None]:
-    """FileError for what ITK only warns of, or libtiff."""
-    said: list[str] = []
-    is_tiff = path.suffix.lower() in (".tif", ".tiff")
-
-    class Logger(_images.sitk().LoggerBase):  # type: ignore[misc]
-        def DisplayWarningText(self, text: str) -> None:  # noqa: N802
-            said.append(text)
-
-    logger = Logger()
-    before = logger.SetAsGlobalITKLogger()
-    try:
-        with _libtiff(said) if is_tiff else contextlib.nullcontext():
-            yield
-    finally:
-        before.SetAsGlobalITKLogger()
-    if said:
-        raise FileError(f"{path}: {reason(RuntimeError(said[0]))}")
-
-
-@contextlib.contextmanager
-def _libtiff(said: list[str]) -> Iterator[None]:
-    """Puts into `said` the errors that libtiff writes to the standard error, and nowhere else. ITK goes on after them:
-    with the pages before the cut, or with voxels that were never read. Warnings of tags that nobody needs do not
-    count."""
-    with tempfile.TemporaryFile() as file:
-        before = os.dup(2)
-        os.dup2(file.fileno(), 2)
-        try:
-            yield
-        finally:
-            os.dup2(before, 2)
-            os.close(before)
-            file.seek(0)
-            for line in file.read(_HEADER).decode("utf-8", "replace").splitlines():
-                if not re.match(r"\w+: ", line):
-                    print(plain(line), file=sys.stderr)  # not libtiff's
-                elif "Warning" not in line or "IO error" in line:
-                    said.append(line)
-
-
-def _unreadable(path: Path, error: OSError) -> FileError:
-    return FileError(f"{error.filename or path}: cannot be read: {error.strerror or error}")
-
-
-_SAID = (  # what SimpleITK's libraries say, and what it means
-    (r"bzip2 encoding not available", "it is compressed with bzip2, which is not read here: save it with gzip"),
-    (r"couldn't open \"(.*?)\"", "its data file cannot be opened: {}"),
-    (r"fread got only|ran out of|hit EOF|premature EOF", "its data end early"),
-    (r"Unable to determine ImageIO.*\.(?:mha|mhd|nrrd|tiff?|dcm)\.gz", "it is compressed as a whole: unpack it first"),
-    (r"Unable to determine ImageIO", "no NRRD, MetaImage, NIfTI, TIFF, DICOM or Kretz file by its name"),
-    (r"spacing \((.*?)\) invalid", "a spacing is {}, expected lengths above 0"),
-    (r"orthonormal", _RIGHT_ANGLES),
-    (r"unexpected scales in sform", "its sform and its pixdim disagree about how far apart voxels are"),
-)
-
-
-def reason(error: RuntimeError) -> str:
-    """What SimpleITK means by its many lines; the last one, without its places in the source, if that is not known."""
-    if isinstance(error, RecursionError):
-        return "its sequences are nested too deep"
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    for pattern, meaning in _SAID:
-        if found := re.search(pattern, str(error)):
-            return meaning.format(*found.groups())
-    return re.sub(r"^.*(?:ERROR: |\): )|^\[nrrd\] \w+: ", "", lines[-1]) if lines else "not readable"

@@ -10,9 +10,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from . import _geometry, _images
+from . import _images, _unsay
+from ._complaints import reason
 from ._errors import FileError, HostError, MissingExtraError, OutputError
-from ._reader import Reader, reason
+from ._reader import Reader
 
 _reader: Reader | None = None  # of the file that was asked for last
 
@@ -36,9 +37,11 @@ def read(path: str, mirror: bool, number: int) -> tuple[Any, ...]:
 def write(path: str, part: str, image: tuple[Any, ...]) -> None:
     """Writes an image in the format that `part` names, compressed where the format can."""
     try:
-        _images.sitk().WriteImage(_images.whole(*image), part, True)
-        if _images.NOT_SAID in image[-1]:
-            _geometry.unsay_spacing(Path(part))
+        *parts, notes = image
+        said = {_images.FILE_NOTES: _images.UNPLACED} if _images.PLACE in notes else {}
+        _images.sitk().WriteImage(_images.whole(*parts, said), part, True)
+        if _images.NOT_SAID in notes or _images.PLACE in notes:
+            _unsay.unsay(Path(part), spacing=_images.NOT_SAID in notes, place=_images.PLACE in notes)
     except RuntimeError as error:
         raise OutputError(f"{path}: {reason(error)}") from None
 

@@ -27,6 +27,7 @@ class Given:
     directions: Sequence[float] | None = None
     probe: str | None = None  #: the side at which it was
     kretz: tuple[str, int, bool] | None = None  #: see _images.kretz
+    told: str = ""  #: what is to be told of its file
 
 
 def given(volume: Any) -> Given:
@@ -39,7 +40,7 @@ def given(volume: Any) -> Given:
         volume = Source(volume).only()
     if _images.is_image(volume):
         spacing = volume.GetSpacing() if _images.says_spacing(volume) else None
-        what = (spacing, volume.GetDirection(), _images.probe(volume), _images.kretz(volume))
+        what = (spacing, volume.GetDirection(), _images.probe(volume), _images.kretz(volume), _images.told(volume))
         return Given(volume, _images.array(volume), None, *what)
     voxels, mask = volume, None
     if isinstance(volume, np.ma.MaskedArray):

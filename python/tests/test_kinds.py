@@ -50,7 +50,7 @@ def nrrd(path: Path, voxels: np.ndarray, *lines: str, sizes: str = "96 96 48", b
 
 def enhanced(
     path: Path, voxels: np.ndarray, times: int = 1, measures: bool = True, missing: int = -1, grey: str = "MONOCHROME2",
-    step: Sequence[float] = (0.0, 0.0, 2.5),
+    step: Sequence[float] = (0.0, 0.0, 2.5), across: Sequence[float] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
 ) -> None:  # fmt: skip
     """An Enhanced US Volume: spacing in the shared functional groups, place and time in those of each frame. Without a
     `step` only how thick they are."""
@@ -64,7 +64,7 @@ def enhanced(
         return made
 
     where = [(t, z) for t in range(times) for z in range(48) if (t, z) != (0, missing)]
-    shared = of(PlaneOrientationVolumeSequence=[of(ImageOrientationVolume=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0])])
+    shared = of(PlaneOrientationVolumeSequence=[of(ImageOrientationVolume=list(across))])
     if measures:
         apart = {"SpacingBetweenSlices": 2.5} if step else {}
         shared.PixelMeasuresSequence = [of(PixelSpacing=[1.25, 1.25], SliceThickness=2.5, **apart)]

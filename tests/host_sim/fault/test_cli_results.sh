@@ -32,7 +32,8 @@ make_volume() {
 make_volume plain.mha 'ElementSpacing = 1 1 2\n'
 make_volume lying.mha 'TransformMatrix = -1 0 0 0 0 1 0 1 0\nOffset = 1 2 3\n'
 make_volume doubt.mha 'TransformMatrix = 1 0 0 0 1 0 0 0 1\nAnatomicalOrientation = LPI\n'
-make_volume mirror.mha 'AnatomicalOrientation = LAI\n'
+make_volume mirror.mha 'TransformMatrix = -1 0 0 0 1 0 0 0 1\n'
+make_volume letters.mha 'AnatomicalOrientation = LPI\n'
 
 run=(run --frames 1 --setting smartvis --picture 32 --panel 64 --lowres 48 --out out --plugin "$build/tests/plugins/plane.so" --set depth=2)
 
@@ -63,11 +64,13 @@ expect 0 "beams: unknown; nobody says where the probe was" info plain.mha
 expect 0 "Beams    parallel, from +y" "${run[@]}" --volume plain.mha --probe +y
 expect 0 "in the patient: x to the right, y to the head, z to the back (LIA)" info lying.mha
 expect 0 "first voxel at (1, 2, 3) mm (left, back, head)" info lying.mha
-expect 0 "AnatomicalOrientation says LPI instead: TransformMatrix counts" info doubt.mha
+expect 0 "AnatomicalOrientation says LPI instead: only TransformMatrix counts" info doubt.mha
 expect 0 "the axes are left-handed" info mirror.mha
+expect 0 "AnatomicalOrientation says LPI instead: only TransformMatrix counts" info letters.mha
+expect 3 "letters.mha: does not say how it lies in the patient" "${run[@]}" --volume letters.mha --view anterior
 expect 0 "Camera   from anterior, yaw 0" "${run[@]}" --volume lying.mha --view anterior
 expect 0 "Patient  x to the right, y to the head, z to the back" "${run[@]}" --volume lying.mha
-expect 0 "AnatomicalOrientation says LPI: TransformMatrix counts" "${run[@]}" --volume doubt.mha
+expect 0 "AnatomicalOrientation says LPI: only TransformMatrix counts" "${run[@]}" --volume doubt.mha
 expect 0 "Camera   from the probe at +y" "${run[@]}" --volume plain.mha --probe +y
 expect 3 "plain.mha: does not say how it lies in the patient" "${run[@]}" --volume plain.mha --view left
 expect 2 "--view: 'above' is none of probe, anterior, posterior, left, right, superior, inferior" "${run[@]}" --volume lying.mha --view above

@@ -215,7 +215,7 @@ static void what_does_not_fit_is_refused(void **state) {
     add_file(&files, 2, 1, 2, "ElementSpacing = 1 2 1\n");
     expect_refusal(&files, "spacing 2 mm along axis 1");
     files.count = 1;
-    add_file(&files, 3, 1, 2, "AnatomicalOrientation = LPI\n");
+    add_file(&files, 3, 1, 2, "TransformMatrix = -1 0 0 0 -1 0 0 0 1\n");
     expect_refusal(&files, "a sequence has one orientation");
 }
 
