@@ -106,6 +106,8 @@ static hs_volume volume_of(const hs_seen_volume *v) {
     (void)snprintf(out.name, sizeof out.name, "the volume");
     out.probe = (hs_probe)v->probe;
     if (v->probe_said) hs_volume_scanned_from(&out, out.probe);
+    out.apex_said = v->apex_said != 0;
+    memcpy(out.apex, v->apex, sizeof out.apex);
     return out;
 }
 
@@ -153,6 +155,7 @@ static void find_course(hs_seen_volume *v, hs_volume *volume) {
     if (!hs_volume_doubt(volume, v->doubt)) v->doubt[0] = '\0';
     hs_volume_find_beams(volume);
     hs_course_question(volume, v->question, sizeof v->question);
+    hs_course_words(volume, v->beams, sizeof v->beams);
     v->has_beams = volume->beams != NULL;
     memcpy(v->found, volume, sizeof *volume);
 }

@@ -25,6 +25,8 @@ typedef struct {
     double direction[9]; /* row-major; column a is where index a grows to in the patient */
     uint32_t probe;      /* hs_probe: the face that the probe touches */
     uint32_t probe_said; /* ... and that is known */
+    uint32_t apex_said;  /* where the lines meet that scanned it is known, */
+    double apex[3];      /* ... mm along its axes from its corner; the probe is said, too */
     double
         window[2]; /* values that become 0 and 255; both 0: bytes as they are, other values by their range */
     const uint8_t *bytes; /* the voxels, x fastest, or ... */
@@ -38,6 +40,7 @@ typedef struct {
     uint32_t has_outside;      /* ... if a constant does */
     char doubt[200];           /* out: what is not plausible about the size, or "" */
     char question[160];        /* out: what to ask of where the probe was, or "" */
+    char beams[160];           /* out: how they ran, and how sure that is (hs_course_words) */
     uint32_t has_beams;        /* out: it is seen in the probe's geometry */
     uint64_t found[160];       /* out: what was found of the scan; for hs_seen_plan and _look */
 } hs_seen_volume;

@@ -28,9 +28,20 @@ void hs_volume_share_beams(hs_volume *v, const hs_volume *found) {
     v->course = found->course;
 }
 
+void hs_course_take_said(hs_volume *v) {
+    const double n[3] = {v->nx, v->ny, v->nz};
+    const int axis = 2 - (int)v->probe / 2, is_high = (int)v->probe % 2;
+    const double along = is_high ? v->apex[axis] - n[axis] * v->spacing[axis] : 0.0 - v->apex[axis];
+    v->course.kind = HS_BEAMS_FAN;
+    memcpy(v->course.apex, v->apex, sizeof v->apex);
+    v->course.face = fmax(along, 0.0);
+}
+
 void hs_course_words(const hs_volume *v, char *out, size_t bytes) {
     const hs_course *c = &v->course;
-    char probe[64] = "nobody says where the probe was", fit[48] = "";
+    char probe[64], fit[48] = "";
+    (void)snprintf(probe, sizeof probe, "nobody says where the probe was: %s is assumed",
+                   hs_probe_name(v->probe));
     if (hs_probe_is_known(v))
         (void)snprintf(probe, sizeof probe, "from %s%s", hs_probe_name(v->probe),
                        c->found ? ", which the scan narrows to" : "");

@@ -120,5 +120,6 @@ void hs_volume_find_beams(hs_volume *v) {
         c->fits_none = stated && !held;
     }
     if (c->kind != HS_BEAMS_FAN) hs_course_find_noise(v);
+    if (c->kind == HS_BEAMS_PARALLEL && v->apex_said && !v->spacing_unsaid) hs_course_take_said(v);
     free(memory);
 }

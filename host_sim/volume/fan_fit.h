@@ -11,7 +11,8 @@
  * - else by the toroidal fan whose sides, face and end lie closest to the border between scanned voxels and
  *   zeros. Where nothing but the volume's own faces ends the scan, there is none. The face of the volume that
  *   the fan narrows to is the probe's, if it was not stated and no other fits;
- * - without a fan, or where the size is doubted, parallel from the probe's face, if that was stated.
+ * - without a fan, the one whose lines meet where the file says, if it does;
+ * - else, or where the size is doubted, parallel from the probe's face, if that was stated.
  *
  * Deterministic; some 50 ms. Does not read what is inside the scan.
  */
@@ -20,6 +21,9 @@ void hs_volume_find_beams(hs_volume *volume);
 /* Looks whether the volume's corners are dark noise (course.noisy), as where a file has no one value outside
  * the scan. */
 void hs_course_find_noise(hs_volume *volume);
+
+/* All lines meet in the apex that the file says, and begin at the probe's face, which is stated. */
+void hs_course_take_said(hs_volume *volume);
 
 /* Says of a volume what was found of another one of the same scan. */
 void hs_volume_share_beams(hs_volume *volume, const hs_volume *found);

@@ -102,6 +102,8 @@ typedef struct {
     double
         probe_turn[9]; /* row-major: the probe's axes (x along its array, z along the beams) in those of who
                           looks from `probe`. Identity but for a scene's turned camera; zeros: unknown */
+    bool apex_said;    /* the file says where the lines meet that scanned it: `apex`, and `probe` is stated */
+    double apex[3];    /* mm along the volume's axes, from its corner */
     hs_course course;  /* of zeros: not looked for */
     uint8_t *voxels;   /* nx * ny * nz bytes, owned */
     hs_beams *beams;   /* in probe geometry, what this is the Cartesian copy of; owned; NULL: there is none */

@@ -92,11 +92,14 @@ static bool open_full(hs_eval_source *s, char part[PARTS][SYS_PATH], bool ranged
 }
 
 static void note_doubts(const hs_volume *volume, char *out, size_t bytes) {
-    char size[HS_DOUBT_BYTES] = "", question[160];
+    char size[HS_DOUBT_BYTES] = "", question[160], beams[160];
     hs_course_question(volume, question, sizeof question);
     const bool doubted = hs_volume_doubt(volume, size);
     (void)snprintf(out, bytes, "%s%s%s", size, doubted && question[0] ? " " : "", question);
     if (out[0]) hs_print(stderr, "%s: %s\n", volume->name, out);
+    hs_course_words(volume, beams, sizeof beams);
+    if (volume->course.found || !hs_probe_is_known(volume))
+        hs_print(stderr, "%s: beams: %s\n", volume->name, beams);
 }
 
 static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_error *err) {

@@ -128,6 +128,7 @@ class _Look:
     grid: Grid
     camera: Camera
     known: bool  #: its spacing
+    beams: str  #: how they ran, and how sure that is; "" if the probe's axes were given
 
 
 class Clipper:
@@ -208,7 +209,7 @@ class Clipper:
         apart = discontinuity and not same_volume
         frame = {"time_ns": time_ns, "discontinuity": apart, "same_volume": same_volume}
         stated = self._probe if probe is None else probe
-        probe = of.probe if stated is None else _checked_side(stated)
+        probe = of.said.side if stated is None else _checked_side(stated)
         with self._lock:
             self._check_open()
             look = self._look(of, scanned, self._view if view is None else view, probe)
@@ -282,12 +283,14 @@ class Clipper:
             window=self._window,
             directions=of.directions,
             side=probe if isinstance(probe, str) else None,
+            apex=of.said.apex if isinstance(probe, str) and probe == of.said.side else None,
             kretz=of.kretz,
         )
         from_probe = view is None or (isinstance(view, str) and view == "probe")
         grid = levels.plan(None if from_probe else rotation_of(view, of.directions), self._lowres)
         camera = on_grid(self._shape, spacing or (1.0, 1.0, 1.0), grid)
-        return _Look(of, levels, grid, camera, spacing is not None)
+        beams = levels.beams if probe is None or isinstance(probe, str) else ""
+        return _Look(of, levels, grid, camera, spacing is not None, beams)
 
     def _told(self, look: _Look, probe: Any, beams: Any) -> dict[str, Any]:
         """What the frame says of the probe and its beams, along the camera's axes."""
@@ -318,9 +321,9 @@ class Clipper:
         why, doubt = result.why, result.doubt
         if levels.doubt:  # of a size that no scan has nothing else is the reason
             why, doubt = levels.doubt if look.known and not result.clips else why, levels.doubt
-        doubt = " ".join(filter(None, (doubt, levels.question, look.of.told)))
+        doubt = " ".join(filter(None, (doubt, levels.question, look.of.said.told)))
         known = {"camera": look.camera, "spacing_known": look.known, "source": look.of.source, "window": self._window}
-        return replace(result, why=why, doubt=doubt, **known)
+        return replace(result, why=why, doubt=doubt, beams=look.beams, **known)
 
 
 def _checked_fan(beams: Any) -> tuple[NDArray[np.float64], float]:

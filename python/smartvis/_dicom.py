@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _transducer
 from ._errors import FileError, extra_module
 
 _UNEVEN = 0.05  # of the distance between slices
@@ -29,8 +30,10 @@ class Frame:
     place: NDArray[np.float64] | None = None  #: of its first pixel, mm
     across: NDArray[np.float64] | None = None  #: directions along a row and down a column
     in_patient: bool = False  #: place and directions are of the patient, not of the machine
+    own: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None  #: both in the volume's own frame of reference
     pixel: tuple[float, float] | None = None  #: mm along a row, down a column
     apart: float | None = None  #: mm between slices, as the file says it
+    said: _transducer.Said | None = None  #: of the probe
     marks: dict[str, Any] = field(default_factory=dict)  #: what may tell volumes apart, in the order of trust
 
 
@@ -44,6 +47,7 @@ class Volume:
     origin: NDArray[np.float64]
     direction: NDArray[np.float64]  #: columns
     in_patient: bool
+    probe: _transducer.Probe = _transducer.UNKNOWN
 
 
 _PICTURES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}  # what slices are saved as
@@ -89,6 +93,7 @@ def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame
         raise FileError(f"{path}: its grey is inverted (MONOCHROME1): convert it to MONOCHROME2")
     if groups and len(groups) != count:
         raise FileError(f"{path}: it has {count} pictures and says where {len(groups)} of them lie")
+    said = _transducer.Said.of(data)
     shared = (data.get("SharedFunctionalGroupsSequence") or [None])[0]
     series = str(data.get("SeriesInstanceUID", ""))
     out = []
@@ -98,6 +103,7 @@ def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame
         _where(frame, layers)
         _how_large(frame, layers)
         _which(frame, layers, index)
+        frame.said = said
         directions = () if frame.across is None else tuple(np.round(frame.across.ravel(), 4))
         out.append(((series if count == 1 else str(path), frame.size, directions), frame))
     return out
@@ -124,11 +130,12 @@ def _where(frame: Frame, layers: Sequence[Any]) -> None:
     place = _numbers(_first(layers, "PlanePositionSequence", "ImagePositionPatient"), 3)
     across = _numbers(_first(layers, "PlaneOrientationSequence", "ImageOrientationPatient"), 6)
     frame.in_patient = across is not None
-    if place is None:
-        place = _numbers(_first(layers, "PlanePositionVolumeSequence", "ImagePositionVolume"), 3)
-    if across is None:
-        across = _numbers(_first(layers, "PlaneOrientationVolumeSequence", "ImageOrientationVolume"), 6)
-    frame.place = place
+    own_place = _numbers(_first(layers, "PlanePositionVolumeSequence", "ImagePositionVolume"), 3)
+    own_across = _numbers(_first(layers, "PlaneOrientationVolumeSequence", "ImageOrientationVolume"), 6)
+    if own_place is not None and own_across is not None:
+        frame.own = (own_place, own_across.reshape(2, 3))
+    frame.place = own_place if place is None else place
+    across = own_across if across is None else across
     frame.across = None if across is None else across.reshape(2, 3)
 
 
@@ -220,7 +227,11 @@ def _volume(frames: list[Frame], name: str, placed: bool = True) -> Volume:
         direction = np.stack([row, column, np.cross(row, column)], axis=1)
     spacing = None if pixel is None or apart is None else (*pixel, apart)
     origin = frames[0].place if placed and frames[0].place is not None else np.zeros(3)
-    return Volume(name, frames, spacing, origin, direction, placed and frames[0].in_patient)
+    probe = _transducer.UNKNOWN
+    first, last = frames[0].own, frames[-1].own
+    if placed and frames[0].said and first and last and spacing:
+        probe = frames[0].said.seen(first, last[0] - first[0], spacing, (*frames[0].size, len(frames)))
+    return Volume(name, frames, spacing, origin, direction, placed and frames[0].in_patient, probe)
 
 
 def _evenly(frames: list[Frame]) -> float:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,9 @@ NOT_SAID = "smartvis_spacing_not_said"  #: a key of images whose file does not s
 PROBE = "smartvis_probe_side"  #: of images whose file says at which side the probe was
 
 
+APEX = "smartvis_apex"  #: of images whose file says where the lines met that scanned it
+
+
 PLACE = "smartvis_place_not_said"  #: of images whose file does not say how they lie in the patient
 
 
@@ -40,7 +43,9 @@ KRETZ = "smartvis_kretz"  #: of Cartesian copies: the Kretz file, the volume's n
 
 def parts(image: Any) -> tuple[Any, ...]:
     """What an image consists of, for another process: voxels, spacing, origin, direction, our own notes."""
-    notes = {key: image.GetMetaData(key) for key in (NOT_SAID, PLACE, PROBE, TOLD, KRETZ) if image.HasMetaDataKey(key)}
+    notes = {
+        key: image.GetMetaData(key) for key in (NOT_SAID, PLACE, PROBE, APEX, TOLD, KRETZ) if image.HasMetaDataKey(key)
+    }
     vector = image.GetNumberOfComponentsPerPixel() > 1
     voxels = sitk().GetArrayFromImage(image)
     return voxels, vector, image.GetSpacing(), image.GetOrigin(), image.GetDirection(), notes
@@ -57,14 +62,18 @@ def whole(voxels: Any, vector: bool, spacing: Any, origin: Any, direction: Any, 
     return image
 
 
-def probe(image: Any) -> str | None:
-    """The side at which the probe was, where the image's file says it."""
-    return str(image.GetMetaData(PROBE)) if image.HasMetaDataKey(PROBE) else None
+class Said(NamedTuple):
+    """What an image's file says beside its geometry."""
+
+    side: str | None = None  #: at which the probe was
+    apex: tuple[float, ...] | None = None  #: where the lines met, mm from the corner along the volume's axes
+    told: str = ""  #: what is to be told of the file
 
 
-def told(image: Any) -> str:
-    """What is to be told of the image's file, or ""."""
-    return str(image.GetMetaData(TOLD)) if image.HasMetaDataKey(TOLD) else ""
+def said(image: Any) -> Said:
+    """Of an image that a `Source` read; nothing of others."""
+    side, apex, told = (image.GetMetaData(key) if image.HasMetaDataKey(key) else "" for key in (PROBE, APEX, TOLD))
+    return Said(side or None, tuple(map(float, apex.split())) or None, told)
 
 
 def kretz(image: Any) -> tuple[str, int, bool] | None:

@@ -75,10 +75,14 @@ def _figure(row: Row, folder: Path, numbered: bool) -> str:
     link = quote(os.fsencode(folder.name))
     name, outcome = escape(_name(row, numbered)), _OUTCOMES[row.outcome]
     found = f"; {100 * row.clipped_share:.0f} % of the rays, {row.depth_mm:.1f} {row.unit} on average"
-    notes = [row.why, f"Try: {row.try_this}" if row.try_this else "", row.doubt if row.doubt != row.why else ""]
+    notes = [
+        f"Beams: {row.beams}",
+        row.why,
+        f"Try: {row.try_this}" if row.try_this else "",
+        row.doubt if row.doubt != row.why else "",
+    ]
     told = "".join(f"<span>{escape(note)}</span>" for note in notes if note)
     picture = f'<img src="{link}/{quote(os.fsencode(row.picture))}" alt="{name}, {outcome}" loading="lazy">'
     facts = f"{row.width} x {row.height} x {row.slices}, {outcome}{found if row.clipped_share else ''}"
-    return (
-        f'<figure><a href="{link}/">{picture}</a>\n<figcaption>{name}<span>{facts}</span>{told}</figcaption></figure>\n'
-    )
+    caption = f"{name}<span>{facts}</span>{told}"
+    return f'<figure><a href="{link}/">{picture}</a>\n<figcaption>{caption}</figcaption></figure>\n'

@@ -278,6 +278,10 @@ class Reader:
         image.SetDirection(volume.direction.ravel().tolist())
         if volume.spacing is None:
             image.SetMetaData(_images.NOT_SAID, "1")
+        if volume.probe.side is not None:
+            image.SetMetaData(_images.PROBE, volume.probe.side)
+        if volume.probe.apex is not None:
+            image.SetMetaData(_images.APEX, " ".join(map(repr, volume.probe.apex)))
         return image
 
     def _read(self, number: int) -> Any:

@@ -37,9 +37,9 @@ def read(path: str, mirror: bool, number: int) -> tuple[Any, ...]:
 def write(path: str, part: str, image: tuple[Any, ...]) -> None:
     """Writes an image in the format that `part` names, compressed where the format can."""
     try:
-        *parts, notes = image
+        notes = image[-1]
         said = {_images.FILE_NOTES: _images.UNPLACED} if _images.PLACE in notes else {}
-        _images.sitk().WriteImage(_images.whole(*parts, said), part, True)
+        _images.sitk().WriteImage(_images.whole(*(*image[:-1], said)), part, True)
         if _images.NOT_SAID in notes or _images.PLACE in notes:
             _unsay.unsay(Path(part), spacing=_images.NOT_SAID in notes, place=_images.PLACE in notes)
     except RuntimeError as error:

@@ -65,6 +65,7 @@ class Result:
     why: str = ""  #: why nothing is clipped, or a doubtful surface, in words for who holds the probe
     try_this: dict[str, str] = field(default_factory=dict)  #: the setting that takes the doubtful surface all the same
     doubt: str = ""  #: what is not plausible about the volume's size, or not known
+    beams: str = ""  #: how they ran, from where, and how sure that is; "" if the probe's axes were given
 
     def __repr__(self) -> str:
         slices, height, width = self.camera.shape

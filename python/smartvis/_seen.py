@@ -36,6 +36,8 @@ class _Volume(ctypes.Structure):
         ("direction", c_double * 9),
         ("probe", c_uint32),
         ("probe_said", c_uint32),
+        ("apex_said", c_uint32),
+        ("apex", c_double * 3),
         ("window", c_double * 2),
         ("bytes", c_void_p),
         ("values", c_void_p),
@@ -50,6 +52,7 @@ class _Volume(ctypes.Structure):
         ("has_outside", c_uint32),
         ("doubt", c_char * 200),
         ("question", c_char * 160),
+        ("beams", c_char * 160),
         ("has_beams", c_uint32),
         ("found", c_uint64 * 160),
     ]
@@ -130,9 +133,11 @@ class Levels:
         window: tuple[float, float] | None = None,
         directions: Sequence[float] | None = None,
         side: str | None = None,
+        apex: Sequence[float] | None = None,
         kretz: tuple[str, int, bool] | None = None,
     ) -> None:
-        """`kretz`: what the volume is the Cartesian copy of, file, number and mirror: the machine sees that.
+        """`apex`: where the lines meet, mm from the volume's corner, if `side` is known.
+        `kretz`: what the volume is the Cartesian copy of, file, number and mirror: the machine sees that.
         ValueError: the volume cannot be taken, and why."""
         if volume.dtype.kind not in "uifb":
             raise ValueError(f"the volume holds {volume.dtype}, expected whole or floating-point numbers")
@@ -148,6 +153,8 @@ class Levels:
         v.direction[:] = np.eye(3).ravel() if directions is None else directions
         v.window[:] = window or (0.0, 0.0)
         v.probe, v.probe_said = (SIDES.index(side), 1) if side is not None else (0, 0)
+        v.apex_said = side is not None and apex is not None
+        v.apex[:] = apex if apex is not None else (0.0, 0.0, 0.0)
         setattr(v, "bytes" if plain else "values", _at(self._voxels))
         v.mask = None if self._mask is None else _at(self._mask)
         v.levels = _at(self.levels)
@@ -162,6 +169,7 @@ class Levels:
         self.low: float = v.low  #: the value that became 0, ...
         self.high: float = v.high  #: ... and that which became 255
         self.question: str = in_python(v.question.decode())  #: what to ask of where the probe was, or ""
+        self.beams: str = v.beams.decode()  #: how they ran, and how sure that is
         self.outside: float | None = v.outside if v.has_outside else None  #: what lies outside the scan
 
     def plan(self, rotation: NDArray[np.float64] | None = None, lowres: int = 0) -> Grid:

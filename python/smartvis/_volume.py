@@ -25,9 +25,8 @@ class Given:
     mask: NDArray[np.bool_] | None = None  #: True where numpy's mask hides nothing; None: it hides nothing anywhere
     spacing: tuple[float, float, float] | None = None
     directions: Sequence[float] | None = None
-    probe: str | None = None  #: the side at which it was
     kretz: tuple[str, int, bool] | None = None  #: see _images.kretz
-    told: str = ""  #: what is to be told of its file
+    said: _images.Said = _images.Said()
 
 
 def given(volume: Any) -> Given:
@@ -40,7 +39,7 @@ def given(volume: Any) -> Given:
         volume = Source(volume).only()
     if _images.is_image(volume):
         spacing = volume.GetSpacing() if _images.says_spacing(volume) else None
-        what = (spacing, volume.GetDirection(), _images.probe(volume), _images.kretz(volume), _images.told(volume))
+        what = (spacing, volume.GetDirection(), _images.kretz(volume), _images.said(volume))
         return Given(volume, _images.array(volume), None, *what)
     voxels, mask = volume, None
     if isinstance(volume, np.ma.MaskedArray):

@@ -55,6 +55,7 @@ class Row:
     why: str = ""  #: why nothing is clipped, and what to do
     try_this: str = ""  #: the setting that clips all the same
     doubt: str = ""  #: what is not plausible about the volume's size, or not known
+    beams: str = ""  #: how they ran, from where, and how sure that is
     width: int = 0
     height: int = 0
     slices: int = 0
@@ -119,7 +120,7 @@ def clip_one(
 def _describe(row: Row, result: Result) -> None:
     row.outcome = result.outcome.name
     row.points = result.statistics.points
-    row.why, row.doubt = on_command_line(result.why), on_command_line(result.doubt)
+    row.why, row.doubt, row.beams = on_command_line(result.why), on_command_line(result.doubt), result.beams
     row.try_this = " ".join(f"--set {key}={value}" for key, value in result.try_this.items())
     row.unit = "mm" if result.spacing_known else "voxels"
     clips = result.depth > 0

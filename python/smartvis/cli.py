@@ -198,7 +198,8 @@ def line_of(row: Row, sequence: bool = False, called: str = "") -> str:
         return row.reason if row.reason.startswith(row.file) else f"{name}: {row.reason}"
     size = f"{row.width} x {row.height} x {row.slices}"
     found = f"{100 * row.clipped_share:.0f} % of the rays clipped, {row.depth_mm:.1f} {row.unit} on average"
-    notes = [f"  Why: {row.why}"] if row.why else []
+    notes = [f"  Beams: {row.beams}"]
+    notes += [f"  Why: {row.why}"] if row.why else []
     notes += [f"  Try: {row.try_this}"] if row.try_this else []
     notes += [f"  {row.doubt}"] if row.doubt and row.doubt != row.why else []
     return "\n".join([f"{name}: {size}, {row.outcome}, {found}; {row.clip_ms:.0f} ms", *notes])

@@ -5,7 +5,7 @@ A client sends an IMAGE named NAME. It gets three messages back:
 
 - IMAGE ``NAME_clipped``, the clipped volume in the place of the one that it sent,
 - IMAGE ``NAME_depth``, the depthmap in mm, one slice on the volume's front,
-- STRING ``NAME_outcome``: ``OK``, ``PARTIAL``, ``NO_SURFACE``, and why; or ``ERROR`` and the reason.
+- STRING ``NAME_outcome``: ``OK``, ``PARTIAL``, ``NO_SURFACE``, why, and how the beams ran; or ``ERROR`` and the reason.
 
 A STRING with ``KEY=VALUE ...`` sets parameters of this connection from the next volume on. Names are cut to 20
 characters, of which NAME may have 12. Each client has a thread and an activated plugin of its own, so that one
@@ -203,12 +203,13 @@ class Session:
             clipped = result.apply(volume)
             doubt = result.doubt if result.doubt != result.why else ""
             said = (result.outcome.name, *map(on_command_line, (result.why, doubt)))  # the server's own options
+            beams = f"Beams: {result.beams}"
         except (SmartVisError, ValueError, MemoryError) as error:
             return [string_message(f"{name}_outcome", f"ERROR {error}", message.timestamp)]
         return [
             image_message(f"{name}_clipped", clipped, message.ijk_to_world_matrix, message),
             image_message(f"{name}_depth", result.depth_mm[None], _front(message.ijk_to_world_matrix, result), message),
-            string_message(f"{name}_outcome", " ".join(filter(None, said)), message.timestamp),
+            string_message(f"{name}_outcome", " ".join(filter(None, (*said, beams))), message.timestamp),
         ]
 
 

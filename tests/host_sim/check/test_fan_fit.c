@@ -176,6 +176,38 @@ static void what_is_stated_counts(void **state) {
     hs_volume_free(&copy);
 }
 
+/* Where the outline tells nothing, the apex that the file says is told on; a fan in the outline is fitted. */
+static void an_apex_that_is_said_counts_where_nothing_is_found(void **state) {
+    static const double said[3] = {30.0, 20.0, 150.0};
+    hs_error err = {0};
+    hs_volume v;
+    assert_true(hs_volume_init(&v, 64, 48, 96, &err));
+    for (size_t i = 0; i < hs_volume_count(&v); i++) v.voxels[i] = 100;
+    v.apex_said = true;
+    memcpy(v.apex, said, sizeof said);
+    hs_volume_find_beams(&v);
+    assert_int_equal(v.course.kind, HS_BEAMS_UNKNOWN); /* without a side */
+    hs_volume_scanned_from(&v, HS_PROBE_HIGH_Z);
+    hs_volume_find_beams(&v);
+    assert_int_equal(v.course.kind, HS_BEAMS_FAN);
+    assert_memory_equal(v.course.apex, said, sizeof said);
+    assert_true(v.course.sweep == 0.0 && v.course.face == 54.0 && v.course.misfit == 0.0);
+    v.spacing_unsaid = true;
+    hs_volume_find_beams(&v);
+    assert_int_equal(v.course.kind, HS_BEAMS_PARALLEL);
+    hs_volume_free(&v);
+
+    double apex[3];
+    hs_volume copy = copy_of(&geometries[0]), fan = seen_from(&copy, &geometries[0], HS_PROBE_LOW_Y, apex);
+    hs_volume_scanned_from(&fan, HS_PROBE_LOW_Y);
+    fan.apex_said = true;
+    memcpy(fan.apex, said, sizeof said);
+    hs_volume_find_beams(&fan);
+    assert_true(fan.course.kind == HS_BEAMS_FAN && fan.course.misfit > 0.0);
+    hs_volume_free(&fan);
+    hs_volume_free(&copy);
+}
+
 /* A full box, an empty one, a ball, a turned box. */
 static bool is_inside(int kind, double x, double y, double z) {
     const double c = 0.9, s = 0.43589;
@@ -308,5 +340,6 @@ static void real_scans(void **state) {
     if (found == 0) skip();
 }
 
-UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts, others_are_none, oblique_box_is_parallel,
+UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts,
+          an_apex_that_is_said_counts_where_nothing_is_found, others_are_none, oblique_box_is_parallel,
           wrong_spacing_is_told, a_stated_face_without_a_fan_is_doubted, real_scans)
