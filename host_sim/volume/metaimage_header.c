@@ -156,7 +156,10 @@ static bool check_data_file(const hs_met_text *p, hs_met_header *h) {
     h->data_line = p->fields[HS_MET_F_DATA_FILE].line;
     hs_met_shown(name, h->data_name);
     h->local = strcmp(name, "LOCAL") == 0 || strcmp(name, "Local") == 0 || strcmp(name, "local") == 0;
-    if (*name == '\0' || strncmp(name, "LIST", 4) == 0 || strchr(name, '%'))
+    if (strchr(name, '%'))
+        return hs_met_bad_value(p, HS_MET_F_DATA_FILE,
+                                "a name without %, which MetaImage takes for a pattern of many names");
+    if (*name == '\0' || strncmp(name, "LIST", 4) == 0)
         return hs_met_bad_value(p, HS_MET_F_DATA_FILE, "LOCAL or the name of one file");
     if (!is_near(name))
         return hs_met_bad_value(p, HS_MET_F_DATA_FILE, "a file in the header's folder or below");

@@ -62,8 +62,8 @@ static bool ends_with(const char *path, const char *ending) {
     return n > m && strcasecmp(path + n - m, ending) == 0;
 }
 
-/* True, with HS_ERR_INPUT, if the first bytes are those of NRRD, NIfTI (also compressed), Analyze, TIFF,
- * DICOM or a picture: the message names the format and says what reads it. */
+/* True, with HS_ERR_INPUT, if the first bytes are those of NRRD, NIfTI (also compressed), Analyze, VTK, TIFF,
+ * DICOM, a picture or macOS' companions of files: the message names the format and says what reads it. */
 static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs_error *err) {
     const uint8_t *head = (const uint8_t *)head_text;
     uint8_t inner[NIFTI2_SIZE];
@@ -79,6 +79,8 @@ static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs
         format = "a NIfTI file";
     else if (starts_with(head, bytes, NIFTI1_SIZE) && ends_with(path, ".hdr"))
         format = "an Analyze file";
+    else if (holds(head, bytes, 0, "# vtk", 5))
+        format = "a VTK file";
     else if (holds(head, bytes, 0, "II*\0", 4) || holds(head, bytes, 0, "MM\0*", 4))
         format = "a TIFF file";
     else if (holds(head, bytes, DICOM_MARK, "DICM", 4) || is_bare_dicom(head, bytes)) {
@@ -90,7 +92,10 @@ static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs
     } else if (holds(head, bytes, 0, "KRETZFILE", 9)) {
         format = "a Kretz file";
         how = "labels and maps come in no other format";
-    } else if (head == inner && ends_with(path, ".gz")) {
+    } else if (holds(head, bytes, 0, "\0\5\x16\7", 4)) {
+        format = "what macOS keeps beside a file";
+        how = "the file itself is called so without ._ in front";
+    } else if (head == inner) {
         format = "a file compressed as a whole";
         how = "unpack it first";
     }

@@ -3,17 +3,15 @@
 
 from __future__ import annotations
 
-import gzip
-import math
 import os
 import re
-import struct
 import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from . import _nifti
 from ._errors import FileError
 
 _UNITS = {"mm": 1.0, "millimeter": 1.0, "millimetre": 1.0, "cm": 10.0, "centimeter": 10.0, "m": 1e3, "meter": 1e3}
@@ -57,22 +55,9 @@ def says_spacing(path: Path, fields: dict[str, str], reader: Any) -> bool:
     if reader.HasMetaDataKey("pixdim[1]"):
         apart = {float(reader.GetMetaData(f"pixdim[{axis}]")) for axis in (1, 2, 3)}
         has_unit = int(float(reader.GetMetaData("xyzt_units"))) & 7
-        return not _nifti_lacks(path) and (apart != {1.0} or bool(has_unit))
+        head = _nifti.header(path)
+        return not (head and _nifti.lacks_lengths(head)) and (apart != {1.0} or bool(has_unit))
     return not name.endswith(".vtk") or b"SPACING" in first_bytes(path).upper()
-
-
-def _nifti_lacks(path: Path) -> bool:
-    """Whether a distance in a NIfTI's own header is 0 or no number, for which ITK says 1."""
-    name = str(path)[: -len(".img")] + ".hdr" if path.name.lower().endswith(".img") else path
-    try:
-        with gzip.open(name) if path.name.lower().endswith(".gz") else open(name, "rb") as file:
-            head = file.read(136)
-        order = "<" if head[:2] > head[2:4] else ">"
-        second = struct.unpack_from(f"{order}i", head)[0] == 540  # NIfTI-2
-        apart = struct.unpack_from(f"{order}3d", head, 112) if second else struct.unpack_from(f"{order}3f", head, 80)
-    except (OSError, struct.error):
-        return False
-    return any(length == 0 or not math.isfinite(length) for length in apart)
 
 
 def tiff_spacing(path: Path) -> tuple[float, ...] | None:

@@ -70,6 +70,9 @@ class Said(NamedTuple):
     told: str = ""  #: what is to be told of the file
 
 
+NOTHING_SAID = Said()
+
+
 def said(image: Any) -> Said:
     """Of an image that a `Source` read; nothing of others."""
     side, apex, told = (image.GetMetaData(key) if image.HasMetaDataKey(key) else "" for key in (PROBE, APEX, TOLD))

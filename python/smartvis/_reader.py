@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from . import _dicom, _geometry, _host, _images, _kretz
+from . import _content, _dicom, _geometry, _host, _images, _kretz, _nifti
 from ._complaints import RIGHT_ANGLES, no_warning, reason, unreadable
 from ._errors import FileError, HostError
 from ._volume import checked_spacing
@@ -71,6 +71,9 @@ class Reader:
             self._dicom = _dicom.volumes([self.path], self.path, whole_file=True)
             self.count = len(self._dicom)
             return
+        _content.check(self.path)
+        if self.path.suffix.lower() == ".vtk":
+            _content.check_vtk(self.path)
         self._fields = _header(self.path)
         _geometry.check_marks(self.path, self._fields)
         self._scale = _geometry.unit(self.path, self._fields)
@@ -217,11 +220,17 @@ class Reader:
             raise unreadable(self.path, error) from None
         except RuntimeError as error:
             raise FileError(f"{self.path}: {reason(error)}") from None
+        told = [*self._told, self._two_places(image)]
         if not self._says_place():
             image.SetMetaData(_images.PLACE, "1")
-        if self._told:
-            image.SetMetaData(_images.TOLD, " ".join(self._told))
+        if any(told):
+            image.SetMetaData(_images.TOLD, " ".join(filter(None, told)))
         return image
+
+    def _two_places(self, image: Any) -> str:
+        is_nifti = self._reader is not None and self._reader.HasMetaDataKey("qform_code")
+        head = _nifti.header(self.path) if is_nifti else None
+        return _nifti.two_places(head, image) if head else ""
 
     def _read_any(self, number: int) -> Any:
         if self._dicom:

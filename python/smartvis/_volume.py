@@ -26,7 +26,7 @@ class Given:
     spacing: tuple[float, float, float] | None = None
     directions: Sequence[float] | None = None
     kretz: tuple[str, int, bool] | None = None  #: see _images.kretz
-    said: _images.Said = _images.Said()
+    said: _images.Said = _images.NOTHING_SAID
 
 
 def given(volume: Any) -> Given:

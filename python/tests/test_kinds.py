@@ -37,10 +37,12 @@ def written(voxels: np.ndarray, path: Path, spacing: tuple[float, ...] = SPACING
     sitk.WriteImage(image, str(path))
 
 
-def meta(path: Path, voxels: np.ndarray, *lines: str, kind: str = "MET_UCHAR", frames: int = 1) -> None:
+def meta(
+    path: Path, voxels: np.ndarray, *lines: str, kind: str = "MET_UCHAR", frames: int = 1, data: str = "LOCAL"
+) -> None:
     many = f" {frames}" if frames > 1 else ""
     head = [f"NDims = {3 + (frames > 1)}", f"DimSize = 96 96 48{many}", *lines, f"ElementType = {kind}"]
-    path.write_bytes("\n".join([*head, "ElementDataFile = LOCAL", ""]).encode() + voxels.tobytes() * frames)
+    path.write_bytes("\n".join([*head, f"ElementDataFile = {data}", ""]).encode() + voxels.tobytes() * frames)
 
 
 def nrrd(path: Path, voxels: np.ndarray, *lines: str, sizes: str = "96 96 48", by: str = "raw") -> None:
@@ -111,6 +113,24 @@ def pictures_in(path: Path, voxels: np.ndarray) -> None:
         sitk.WriteImage(sitk.GetImageFromArray(plane), str(path / f"{number}.png"))
 
 
+def vtk(path: Path, voxels: np.ndarray, of: str, more: int) -> None:
+    """Legacy VTK as text: values of points, or of cells, of which each row has one less."""
+    z, y, x = voxels.shape
+    head = f"# vtk DataFile Version 3.0\nscan\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS {x + more} {y + more} "
+    head += f"{z + more}\nSPACING 1.25 1.25 2.5\nORIGIN 0 0 0\n{of} {voxels.size}\nSCALARS v unsigned_char 1\n"
+    rows = "\n".join(" ".join(map(str, row)) for row in voxels.reshape(-1, x))
+    path.write_text(f"{head}LOOKUP_TABLE default\n{rows}\n")
+
+
+def in_members(path: Path, voxels: np.ndarray) -> None:
+    """A NIfTI in gzip in three pieces, as pigz and bgzip write it."""
+    written(voxels, path)
+    data = gzip.decompress(path.read_bytes())
+    third = len(data) // 3
+    pieces = (data[:third], data[third : 2 * third], data[2 * third :])
+    path.write_bytes(b"".join(map(gzip.compress, pieces)))
+
+
 def in_db(voxels: np.ndarray, outside: float) -> np.ndarray:
     return np.where(voxels > 0, voxels / 4.0 - 60.0, outside).astype("<f4")
 
@@ -157,6 +177,11 @@ RIGHT: dict[str, Make] = {  # clipped as the plain file is
         path, v, MM + " 1", "TransformMatrix = 1 0 0 0 1 0 0 0 1", "Seq_Frame0000_Timestamp = 1",
         "Seq_Frame0001_Timestamp = 2", frames=2),
 }  # fmt: skip
+RIGHT |= {
+    "points.vtk": lambda path, v: vtk(path, v, "POINT_DATA", 0),
+    "50%d.nrrd": lambda path, v: written(v, path),
+    "members.nii.gz": in_members,
+}
 SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "nospace.mha": (meta, 0, "does not say how far apart its voxels are"),
     "nospace.nrrd": (nrrd, 0, "does not say how far apart its voxels are"),
@@ -200,6 +225,58 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "nothing": (lambda path, v: path.mkdir(), 3, "there is no file in the folder"),
     "slices": (pictures_in, 3, "no DICOM series, but 3 pictures, which tell no length"),
 }  # fmt: skip
+
+
+def named(suffix: str, head: bytes = b"", pack: bool = False) -> Make:
+    """What is written as `suffix` under another name, or other bytes."""
+
+    def make(path: Path, voxels: np.ndarray) -> None:
+        written(voxels, path.parent / f"as{suffix}")
+        data = head or (path.parent / f"as{suffix}").read_bytes()
+        path.write_bytes(gzip.compress(data) if pack else data)
+
+    return make
+
+
+def nifti(size: int, mark: bytes, at: int) -> bytes:
+    head = bytearray(600)
+    head[:4], head[at : at + len(mark)] = struct.pack("<i", size), mark
+    return bytes(head)
+
+
+NAMES: dict[str, tuple[Make, str]] = {  # a name that is not the content: the cause
+    "gz.nii": (named(".nii.gz"), "by its content it is NIfTI in gzip, not by its name: let it end in .nii.gz"),
+    "plain.nii.gz": (named(".nii"), "by its content it is NIfTI, not by its name: let it end in .nii"),
+    "none": (named(".nii.gz"), "let it end in .nii.gz"),
+    "meta.nrrd": (named(".mha"), "by its content it is MetaImage, not by its name: let it end in .mha"),
+    "nrrd.mha": (named(".nrrd"), "by its content it is NRRD, not by its name: let it end in .nrrd"),
+    "two.nii.gz": (named(".nii", nifti(540, b"n+2", 4), pack=True), "it is NIfTI-2, which is not read here"),
+    "old.hdr": (named(".nii", nifti(348, b"", 0)), "it is Analyze 7.5, which does not say where left is"),
+    "._a.nrrd": (named(".nii", b"\0\5\x16\7\0\2\0\0"), "it is what macOS keeps beside a file, not the file"),
+    "._a.mha": (named(".nii", b"\0\5\x16\7\0\2\0\0"), "it is what macOS keeps beside a file, not the file"),
+    "lfs.nrrd": (named(".nii", b"version https://git-lfs.github.com/spec/v1\n"), "it is a pointer of Git LFS"),
+    "page.nii": (named(".nii", b"<!DOCTYPE html><html>"), "it is a web page"),
+    "bare.dcm": (named(".nii", b"\x08\x00\x05\x00CS\x0a\x00ISO_IR 100"), "it is DICOM without its preamble"),
+    "gz.nrrd": (named(".nrrd", pack=True), "it is compressed as a whole: unpack it first"),
+    "empty.nii": (lambda path, v: path.touch(), "the file is empty"),
+    "scan.gipl": (lambda path, v: written(v, path), "is none of NRRD, MetaImage, NIfTI, TIFF, VTK, DICOM and Kretz"),
+    "cells.vtk": (lambda path, v: vtk(path, v, "CELL_DATA", 1), "its values belong to cells (CELL_DATA)"),
+    "100%d.nhdr": (
+        lambda path, v: written(v, path), "a data file's name has a %, which NRRD takes for a pattern of names"),
+    "50%.mhd": (
+        lambda path, v: meta(path, v, MM, data="50%.raw"), "expected a name without %, which MetaImage takes for a"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_name_that_is_not_the_content_is_told_as_such(tmp_path: Path, scan: np.ndarray, name: str, capsys) -> None:
+    make, words = NAMES[name]
+    make(tmp_path / name, scan)
+    assert main(["clip", str(tmp_path / name), "--out", str(tmp_path / "out")]) == 3
+    told = capsys.readouterr().err
+    assert words in told and told.count("\n") == 1 and "itk" not in told, told
+    if name == "._a.mha":
+        assert "is what macOS keeps beside a file" in host("info", tmp_path / name)[1]
 
 
 def host(*arguments: object) -> tuple[int, str]:

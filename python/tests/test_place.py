@@ -2,6 +2,7 @@
 """What a file says of how its volume lies in the patient, through all doors: what is not said stays not said, what is
 said in two ways is told."""
 
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
@@ -107,6 +108,33 @@ def test_letters_without_a_matrix_count_at_no_door(tmp_path: Path, scan: np.ndar
     for part in refused:
         assert part in told and part in asked[1] and asked[0] == 3
     assert facts(tmp_path / "letters_clipped.nrrd")[0] is False
+
+
+@pytest.mark.parametrize("codes", [(1, 1), (1, 2), (2, 1), (2, 2), (0, 1), (1, 0)])
+def test_two_places_in_a_nifti_are_told(tmp_path: Path, scan: np.ndarray, codes: tuple[int, int]) -> None:
+    """The sform is turned by 30 degrees, 36 mm away."""
+    path = tmp_path / "two.nii"
+    image = sitk.GetImageFromArray(scan)
+    image.SetSpacing(SPACING)
+    image.SetOrigin((-1, -2, 3))
+    image.SetDirection((-1, 0, 0, 0, -1, 0, 0, 0, 1))  # the patient's right, front and head
+    sitk.WriteImage(image, str(path))
+    data = bytearray(path.read_bytes())
+    cos, sin = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    rows = np.array([[cos, -sin, 0, 10], [sin, cos, 0, -20], [0, 0, 1, 30]]) * (*SPACING, 1)
+    data[252:256] = struct.pack("<2h", *codes)
+    data[280:328] = rows.astype("<f4").tobytes()
+    path.write_bytes(data)
+    image = Source(path).read()
+    said = _images.said(image).told
+    if 0 in codes:
+        assert not said
+        return
+    taken = "qform" if np.allclose(image.GetOrigin(), (-1, -2, 3)) else "sform"
+    assert f"disagree, by 30 degrees and 36 mm at the first voxel: the {taken} counts" in said
+    assert said in smartvis.clip(image).doubt
+    write_image(tmp_path / "again.nii", image)
+    assert not _images.said(Source(tmp_path / "again.nii").read()).told
 
 
 def test_a_nrrd_without_a_space_gives_results_without_one(tmp_path: Path, scan: np.ndarray) -> None:

@@ -225,7 +225,9 @@ static void other_formats_are_named(void **state) {
     files_gzip("f.nii.gz", nifti, sizeof nifti); /* as nearly all of them are */
     files_refused("f.nii.gz", "is a NIfTI file");
     files_gzip("g.mha", "NDims = 3\n", 10);
-    files_refused("g.mha", NULL);
+    files_refused("g.mha", "is a file compressed as a whole");
+    files_write("h.mha", NULL, "\0\5\x16\7\0\2", 6);
+    files_refused("h.mha", "is what macOS keeps beside a file");
 }
 
 UNIT_MAIN(files_setup, files_teardown, volumes_come_one_after_the_other, what_is_said_of_a_volume_is_kept,

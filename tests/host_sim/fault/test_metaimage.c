@@ -104,7 +104,7 @@ static const rule rules[] = {
     {"HeaderSize = -1\n", 47, "bytes of data, expected 48", "HeaderSize = -1\n", 55},
     {"HeaderSize = -2\n", 48, "a number of bytes, or -1", "HeaderSize = 0\n", 48},
     {"ElementDataFile = LISTS\n", 48, "LOCAL or the name of one file", "ElementDataFile = Local\n", 48},
-    {"ElementDataFile = a%d.raw\n", 48, "LOCAL or the name of one file", "ElementDataFile = local\n", 48},
+    {"ElementDataFile = a%d.raw\n", 48, "a name without %", "ElementDataFile = local\n", 48},
     {"HeaderSize = 18446744073709551615\n", 48, "0 bytes of data, expected 48", NULL, 0},
     {"ElementDataFile = \n", 48, "ElementDataFile is ''", NULL, 0},
 };
