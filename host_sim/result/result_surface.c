@@ -171,13 +171,14 @@ static void number_vertices(surface *s) {
 static bool write_head(const surface *s, hs_output_file *out, hs_error *err) {
     const int written = fprintf(
         out->file,
-        "ply\nformat %s 1.0\ncomment SmartVis clipping surface, %s, %s\nelement vertex %" PRIu32
+        "ply\nformat %s 1.0\ncomment SmartVis clipping surface, %s, %s\ncomment SPACE=LPS%s\n"
+        "element vertex %" PRIu32
         "\nproperty float x\nproperty float y\nproperty float z\nelement face %" PRIu32
         "\nproperty list uchar int vertex_indices\nend_header\n",
         __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? "binary_big_endian" : "binary_little_endian",
         s->mm ? "mm" : "voxels: the file does not say its spacing",
         s->grid.pose.stated ? "x to the left, y to the back, z to the head (LPS)" : "along the source's axes",
-        s->size.vertices, s->size.triangles);
+        s->mm ? " UNIT=mm" : "", s->size.vertices, s->size.triangles);
     return written > 0 ||
            hs_fail(err, HS_ERR_OUTPUT, "%s: the header cannot be written: %s", out->path, strerror(errno));
 }

@@ -101,8 +101,9 @@ def write_image(path: Path, image: Any) -> Path:
 
 
 def write_ply(path: Path, vertices: NDArray[np.float64], faces: NDArray[np.int64], mm: bool = True) -> Path:
-    """A triangle mesh as binary PLY, in mm, or in voxels if the spacing is not known; it says which."""
-    unit = "mm" if mm else "voxels: the file does not say its spacing"
+    """A triangle mesh as binary PLY, in mm, or in voxels if the spacing is not known; it says which, and the axes as 3D
+    Slicer looks for them."""
+    unit = "mm\ncomment SPACE=LPS UNIT=mm" if mm else "voxels: the file does not say its spacing\ncomment SPACE=LPS"
     header = (
         f"ply\nformat binary_little_endian 1.0\ncomment SmartVis clipped volume, {unit}\n"
         f"element vertex {len(vertices)}\nproperty float x\nproperty float y\n"

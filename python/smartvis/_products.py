@@ -39,7 +39,8 @@ def depth_image(image: Any, result: Result) -> Any:
 
 
 def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """The surface of what is left, by scikit-image's marching cubes: vertices in the image's world (mm), faces.
+    """The surface of what is left, by scikit-image's marching cubes: vertices in the image's world (mm), faces whose
+    front is outside.
 
     `level`: where tissue begins; None: Otsu's threshold of the volume. Both are empty if nothing is that bright.
     """
@@ -59,7 +60,8 @@ def mesh(image: Any, result: Result, level: float | None = None) -> tuple[NDArra
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     vertices, faces, _, _ = marching_cubes(clipped, level)
     index = vertices[:, ::-1].astype(np.float64) - 1.0
-    return _images.in_world(image, index * np.array(image.GetSpacing())), faces.astype(np.int64)
+    outwards = 1 if np.linalg.det(_images.axes(image)) > 0 else -1  # left-handed axes turn every face round
+    return _images.in_world(image, index * np.array(image.GetSpacing())), faces[:, ::outwards].astype(np.int64)
 
 
 def _tissue(volume: NDArray[Any], result: Result, threshold_otsu: Any) -> float:

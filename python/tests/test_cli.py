@@ -13,7 +13,8 @@ import SimpleITK as sitk
 from conftest import LONG, host_sim, write_dicom
 
 import smartvis
-from smartvis._products import depth_image
+from smartvis._files import write_ply
+from smartvis._products import depth_image, mesh
 from smartvis.cli import main
 
 PROGRAM = str(Path(sys.executable).with_name("smartvis"))
@@ -62,6 +63,21 @@ def test_mesh_and_picture(tmp_path: Path, image) -> None:
     assert index.min() > -1.5 and (index.max(axis=0) < np.array([56, 56, 64]) + 0.5).all()
     look = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / "head_look.png")))
     assert look.shape[0] == 34 and look.shape[2] == 3 and look.std() > 10
+
+
+@pytest.mark.parametrize("axes", [(1, 1, 1), (-1, 1, 1), (1, 1, -1), (-1, -1, 1)])
+def test_faces_look_outwards_whatever_the_axes(tmp_path: Path, volume: np.ndarray, axes: tuple[int, ...]) -> None:
+    """What they enclose is positive; of a left-handed box, too. The file says axes and unit as 3D Slicer looks for."""
+    image = sitk.GetImageFromArray(volume)
+    image.SetDirection(np.diag(np.array(axes, float)).ravel())
+    vertices, faces = mesh(image, smartvis.clip(image))
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    enclosed = float((a * np.cross(b, c)).sum() / 6)
+    assert 0.2 < enclosed / volume.size < 0.6  # the fetus is 0.35 of it
+    write_ply(tmp_path / "a.ply", vertices, faces)
+    write_ply(tmp_path / "b.ply", vertices, faces, mm=False)
+    for name, line in (("a", b"\ncomment SPACE=LPS UNIT=mm\n"), ("b", b"\ncomment SPACE=LPS\n")):
+        assert line in (tmp_path / f"{name}.ply").read_bytes()[:300]
 
 
 def test_sequences_are_clipped_volume_by_volume(tmp_path: Path, volume, capsys) -> None:

@@ -133,6 +133,7 @@ void result_mesh_open(result_mesh *mesh, const char *path) {
     const char *end = strstr(text, "\nend_header\n");
     assert_int_equal(strncmp(text, "ply\nformat binary_little_endian 1.0\n", 36), 0);
     assert_true(vertex && face && end);
+    assert_non_null(strstr(text, "\ncomment SPACE=LPS")); /* as 3D Slicer looks for it */
     mesh->vertices = (uint32_t)strtoul(vertex + 16, NULL, 10);
     mesh->faces = (uint32_t)strtoul(face + 14, NULL, 10);
     const uint8_t *at = (const uint8_t *)end + strlen("\nend_header\n");
