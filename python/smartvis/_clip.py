@@ -20,7 +20,7 @@ from ._plugin import Plugin, load
 from ._result import Result
 from ._seen import SIDES, Grid, Levels, look_bytes
 from ._view import Camera, Shape, on_grid, rotation_of
-from ._volume import Given, checked_spacing, checked_window, given, what_was_scanned
+from ._volume import Given, checked_spacing, checked_window, given, question_of_axes, what_was_scanned
 
 _Marks = list[tuple[tuple[float, ...], bool]]
 
@@ -321,7 +321,7 @@ class Clipper:
         why, doubt = result.why, result.doubt
         if levels.doubt:  # of a size that no scan has nothing else is the reason
             why, doubt = levels.doubt if look.known and not result.clips else why, levels.doubt
-        doubt = " ".join(filter(None, (doubt, levels.question, look.of.said.told)))
+        doubt = " ".join(filter(None, (doubt, levels.question, look.of.said.told, question_of_axes(look.of.voxels))))
         known = {"camera": look.camera, "spacing_known": look.known, "source": look.of.source, "window": self._window}
         return replace(result, why=why, doubt=doubt, beams=look.beams, **known)
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _transducer
+from . import _pixels, _transducer
 from ._errors import FileError, extra_module
 
 _UNEVEN = 0.05  # of the distance between slices
@@ -34,6 +34,7 @@ class Frame:
     pixel: tuple[float, float] | None = None  #: mm along a row, down a column
     apart: float | None = None  #: mm between slices, as the file says it
     said: _transducer.Said | None = None  #: of the probe
+    table: _pixels.Table | None = None  #: of the values that its pixels stand for
     marks: dict[str, Any] = field(default_factory=dict)  #: what may tell volumes apart, in the order of trust
 
 
@@ -93,7 +94,7 @@ def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame
         raise FileError(f"{path}: its grey is inverted (MONOCHROME1): convert it to MONOCHROME2")
     if groups and len(groups) != count:
         raise FileError(f"{path}: it has {count} pictures and says where {len(groups)} of them lie")
-    said = _transducer.Said.of(data)
+    said, table = _transducer.Said.of(data), _pixels.table_of(data, path)
     shared = (data.get("SharedFunctionalGroupsSequence") or [None])[0]
     series = str(data.get("SeriesInstanceUID", ""))
     out = []
@@ -103,7 +104,7 @@ def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame
         _where(frame, layers)
         _how_large(frame, layers)
         _which(frame, layers, index)
-        frame.said = said
+        frame.said, frame.table = said, table
         directions = () if frame.across is None else tuple(np.round(frame.across.ravel(), 4))
         out.append(((series if count == 1 else str(path), frame.size, directions), frame))
     return out

@@ -15,8 +15,18 @@ def sitk() -> Any:
     return extra_module("SimpleITK", "SimpleITK", "files")
 
 
-def is_image(volume: object) -> bool:
-    return hasattr(volume, "CopyInformation") and hasattr(volume, "GetSpacing")
+def is_image(volume: Any) -> bool:
+    """True for an image of SimpleITK. ValueError for those of libraries that count [x, y, z], and of ITK itself."""
+    name = f"{type(volume).__module__.partition('.')[0]}'s {type(volume).__name__}"
+    if hasattr(volume, "affine"):
+        raise ValueError(
+            f"the volume is {name}, whose axes are x, y, z: give its file's name, or its array as [z, y, x] (.T) with "
+            "spacing=(x, y, z)"
+        )
+    is_one = hasattr(volume, "CopyInformation") and hasattr(volume, "GetSpacing")
+    if is_one and not isinstance(volume, sitk().Image):
+        raise ValueError(f"the volume is {name}, expected an image of SimpleITK: give its file's name, or its array")
+    return is_one
 
 
 NOT_SAID = "smartvis_spacing_not_said"  #: a key of images whose file does not say its spacing

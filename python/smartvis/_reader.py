@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from . import _content, _dicom, _geometry, _host, _images, _kretz, _nifti
+from . import _content, _dicom, _geometry, _host, _images, _kretz, _nifti, _pixels
 from ._complaints import RIGHT_ANGLES, no_warning, reason, unreadable
 from ._errors import FileError, HostError
 from ._volume import checked_spacing
@@ -269,19 +270,31 @@ class Reader:
             )
         return _images.sitk().VectorIndexSelectionCast(image, 0)
 
+    def _voxels_of(self, file: str) -> NDArray[Any]:
+        """Of a DICOM file, [z, y, x]."""
+        sitk = _images.sitk()
+        whole = sitk.ReadImage(file)
+        try:
+            voxels: NDArray[Any] = sitk.GetArrayFromImage(self._grey(whole))
+        except FileError:
+            planes = _pixels.grey_of_planes(Path(file))
+            if planes is None:
+                raise
+            return planes
+        return voxels.reshape(-1, *voxels.shape[-2:])
+
     def _read_dicom(self, volume: _dicom.Volume) -> Any:
-        sitk, voxels = _images.sitk(), []
+        sitk = _images.sitk()
         files = list(dict.fromkeys(str(frame.path) for frame in volume.frames))
-        reader = sitk.ImageSeriesReader()
-        if len(files) == len(volume.frames):
+        if len(files) == len(volume.frames) > 1:
+            reader = sitk.ImageSeriesReader()
             reader.SetFileNames(files)
-            image = reader.Execute()
+            voxels = sitk.GetArrayFromImage(self._grey(reader.Execute()))
         else:
-            whole = {file: self._grey(sitk.ReadImage(file)) for file in files}
-            arrays = {file: sitk.GetArrayViewFromImage(of) for file, of in whole.items()}
-            voxels = [arrays[str(frame.path)][frame.index] for frame in volume.frames]
-            image = sitk.GetImageFromArray(np.stack(voxels))
-        image = self._grey(image)
+            arrays = {file: self._voxels_of(file) for file in files}
+            voxels = np.stack([arrays[str(frame.path)][frame.index] for frame in volume.frames])
+        voxels = _pixels.by_table(voxels, [frame.table for frame in volume.frames], volume.frames[0].path)
+        image = sitk.GetImageFromArray(voxels)
         image.SetSpacing(volume.spacing or (1.0, 1.0, 1.0))
         image.SetOrigin(volume.origin.tolist())
         image.SetDirection(volume.direction.ravel().tolist())

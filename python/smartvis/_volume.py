@@ -97,6 +97,13 @@ def checked_window(window: Any) -> tuple[float, float] | None:
     return low, high
 
 
+def question_of_axes(volume: NDArray[Any]) -> str:
+    """What to ask of an array whose first axis is the fastest in memory, as in libraries that index [x, y, z]."""
+    if volume.flags.c_contiguous or not volume.flags.f_contiguous:
+        return ""
+    return "Its first axis is the fastest in memory: is it [x, y, z]? Expected is [z, y, x], which is volume.T then."
+
+
 def what_was_scanned(shape: tuple[int, ...], scanned: Any) -> tuple[str, NDArray[np.bool_] | None]:
     """The machine's word for it, and a mask [z, y, x] if one was given, or two maps."""
     if isinstance(scanned, str):

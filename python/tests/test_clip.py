@@ -12,6 +12,40 @@ import smartvis
 from smartvis import Outcome
 
 
+class Nifti1Image:
+    """As nibabel has it: its array is [x, y, z]."""
+
+    __module__ = "nibabel.nifti1"
+    affine = np.eye(4)
+
+    def __init__(self, voxels: np.ndarray) -> None:
+        self.voxels = voxels
+
+    def __array__(self, dtype: object = None, copy: object = None) -> np.ndarray:
+        return self.voxels
+
+
+class Image:
+    """As ITK's own Python has it, which SimpleITK does not take."""
+
+    __module__ = "itk.itkImagePython"
+
+    def CopyInformation(self) -> None: ...  # noqa: N802
+
+    def GetSpacing(self) -> None: ...  # noqa: N802
+
+
+def test_arrays_of_x_y_z_are_asked_about_and_their_images_refused(volume: np.ndarray) -> None:
+    asked = smartvis.clip(np.asfortranarray(volume), (1, 1, 1))
+    assert "Its first axis is the fastest in memory: is it [x, y, z]?" in asked.doubt
+    assert not smartvis.clip(np.asfortranarray(volume).T.copy().T[::-1], (1, 1, 1)).doubt  # some other order
+    assert not smartvis.clip(volume, (1, 1, 1)).doubt
+    with pytest.raises(ValueError, match=r"nibabel's Nifti1Image, whose axes are x, y, z.*\[z, y, x\]"):
+        smartvis.clip(Nifti1Image(volume.T))
+    with pytest.raises(ValueError, match="itk's Image, expected an image of SimpleITK"):
+        smartvis.clip(Image())
+
+
 def test_apply_mask_and_millimetres(volume: np.ndarray) -> None:
     """On a grid of cubes of 0.8 mm, other than the volume's own."""
     result = smartvis.clip(volume, spacing=(0.8, 0.8, 0.5), lowres=56, method="wall")

@@ -177,7 +177,36 @@ RIGHT: dict[str, Make] = {  # clipped as the plain file is
         path, v, MM + " 1", "TransformMatrix = 1 0 0 0 1 0 0 0 1", "Seq_Frame0000_Timestamp = 1",
         "Seq_Frame0001_Timestamp = 2", frames=2),
 }  # fmt: skip
+
+
+def coloured(path: Path, voxels: np.ndarray, planes: int) -> None:
+    """Grey in YBR_FULL by RLE, of pixels or of planes: pydicom packs these as if they were pixels."""
+    import pydicom
+
+    enhanced(path, voxels)
+    data = pydicom.dcmread(path)
+    ybr = np.stack([voxels, np.full_like(voxels, 128), np.full_like(voxels, 128)], -1)
+    data.SamplesPerPixel, data.PhotometricInterpretation, data.PlanarConfiguration = 3, "YBR_FULL", planes
+    data.PixelData = (np.moveaxis(ybr, -1, 1) if planes else ybr).tobytes()
+    data.compress(pydicom.uid.RLELossless, generate_instance_uid=False)
+    data.save_as(path)
+
+
+def by_table(path: Path, voxels: np.ndarray, entries: int = 256) -> None:
+    """Its pixels stand for values of a table, which turns them round."""
+    import pydicom
+
+    enhanced(path, 255 - voxels)
+    data, item = pydicom.dcmread(path), pydicom.Dataset()
+    item.LUTDescriptor, item.ModalityLUTType = [256, 0, 12], "US"
+    item.add_new(0x00283006, "OW", np.arange(256, dtype="<u2")[::-1][:entries].tobytes())
+    data.ModalityLUTSequence = [item]
+    data.save_as(path)
+
+
 RIGHT |= {
+    "rle.dcm": lambda path, v: coloured(path, v, 0),
+    "rle_planes.dcm": lambda path, v: coloured(path, v, 1),
     "points.vtk": lambda path, v: vtk(path, v, "POINT_DATA", 0),
     "50%d.nrrd": lambda path, v: written(v, path),
     "members.nii.gz": in_members,
@@ -217,6 +246,7 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "beside.dcm": (lambda path, v: enhanced(path, v, step=(0.5, 0, 2.5)), 3, "lie 0.5 mm beside the one before"),
     "place.dcm": (lambda path, v: enhanced(path, v, step=(0, 0, 0)), 3, "48 pictures, lie at one place"),
     "white.dcm": (lambda path, v: enhanced(path, v, grey="MONOCHROME1"), 3, "its grey is inverted"),
+    "table.dcm": (lambda path, v: by_table(path, v, 200), 3, "its modality look-up table is damaged"),
     "bzip2.nrrd": (lambda path, v: nrrd(path, v, by="bzip2"), 3, "it is compressed with bzip2"),
     "lost.nrrd": (lambda path, v: nrrd(path, v, "data file: lost.raw"), 3, "its data file cannot be opened"),
     "early.nrrd": (lambda path, v: nrrd(path, v[:9]), 3, "its data end early"),
@@ -336,6 +366,11 @@ def test_what_is_written_says_no_spacing_that_nobody_knows(tmp_path: Path, scan:
             assert np.allclose(image.GetSpacing()[:2], SPACING[:2] if told else (1, 1))
             voxels = sitk.GetArrayFromImage(image)
             assert voxels.shape[1:] == (96, 96) and voxels.max() > 30
+
+
+def test_a_table_of_values_counts(tmp_path: Path, scan: np.ndarray) -> None:
+    by_table(tmp_path / "table.dcm", scan)
+    assert np.array_equal(sitk.GetArrayFromImage(Source(tmp_path / "table.dcm").read()), scan)
 
 
 def test_a_library_that_dies_takes_one_file(tmp_path: Path, scan: np.ndarray, capsys, monkeypatch) -> None:
