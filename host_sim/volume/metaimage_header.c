@@ -304,7 +304,7 @@ bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) 
          check_probe(&text, &header->probe, &header->probe_stated);
     ok = ok &&
          hs_met_kinds(&text, header->dims, header->spacing[2] != 1.0 || header->pose.origin[2] != 0.0) &&
-         hs_met_frames(&text, header->frames, &header->fields);
+         (hs_met_is_cut(&text, header->dims) || hs_met_frames(&text, header->frames, &header->fields));
     hs_met_text_free(&text);
     return ok;
 }

@@ -98,6 +98,10 @@ bool hs_met_bool(const hs_met_text *text, hs_met_field id, bool absent, bool *ou
  */
 bool hs_met_kinds(const hs_met_text *text, uint64_t dims, bool placed);
 
+/* True for one volume that was cut out of a sequence and kept all that this said of its volumes: which of
+ * them it is, is not said. */
+bool hs_met_is_cut(const hs_met_text *text, uint64_t dims);
+
 /* The fields of all `count` volumes: *fields is the caller's to free, and NULL if the file
  * has none of them. Fields that are not used are skipped unseen. */
 bool hs_met_frames(const hs_met_text *text, uint32_t count, hs_frame_fields **fields);

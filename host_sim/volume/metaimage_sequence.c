@@ -30,9 +30,21 @@ static bool is_of_one_frame(const hs_met_text *text) {
     return true;
 }
 
+bool hs_met_is_cut(const hs_met_text *text, uint64_t dims) {
+    const char *value = hs_met_has(text, HS_MET_F_KINDS) ? text->fields[HS_MET_F_KINDS].value : "";
+    uint64_t spatial = 0;
+    size_t length;
+    const char *word = next_word(&value, &length);
+    for (; is_one_of(word, length, "domain", "space"); word = next_word(&value, &length)) spatial++;
+    const bool timed = is_one_of(word, length, "list", "time");
+    (void)next_word(&value, &length);
+    return dims == 3 && spatial == 3 && timed && length == 0;
+}
+
 bool hs_met_kinds(const hs_met_text *text, uint64_t dims, bool placed) {
     /* Older programs write no Kinds, but only sequences have fields of their frames. A volume that PLUS
      * reconstructed has Kinds, and fields of one frame: itself. */
+    if (hs_met_is_cut(text, dims)) return true;
     const bool has_kinds = hs_met_has(text, HS_MET_F_KINDS);
     const char *value = has_kinds ? text->fields[HS_MET_F_KINDS].value : "";
     const bool framed = dims == 3 && text->frame_count > 0;

@@ -8,11 +8,12 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from . import _sequence
 from ._clip import ClipperCache, clip
-from ._errors import FileError, PluginError, SmartVisError
+from ._errors import FileError, OutputError, PluginError, SmartVisError
 from ._files import Source, stem
 from ._plugin import Plugin, load
-from ._products import PRODUCTS, write
+from ._products import PRODUCTS, depth_image, write
 from ._result import Result
 from ._words import on_command_line
 
@@ -79,10 +80,11 @@ def name_of(source: Source, frame: int) -> str:
 
 
 def clip_one(
-    source: Source, frame: int, settings: Settings, out: Path, cache: ClipperCache | None = None, small: bool = False
-) -> Row:
-    """Reads, clips and writes one volume, with a small picture if that is wanted. What is wrong with it is in the row,
-    not an exception."""
+    source: Source, frame: int, settings: Settings, out: Path, cache: ClipperCache | None = None, small: bool = False,
+    sequences: Sequences | None = None,
+) -> Row:  # fmt: skip
+    """Reads, clips and writes one volume, with a small picture if that is wanted; of sequences in one file into
+    `sequences`, which the caller closes. What is wrong with it is in the row, not an exception."""
     row = Row(str(source.path), frame)
     try:
         start = time.perf_counter()
@@ -106,8 +108,13 @@ def clip_one(
     try:
         start = time.perf_counter()
         prefix = out / name_of(source, frame)
-        made = (write(image, result, prefix, what, settings.suffix, settings.level) for what in settings.products)
-        row.files = " ".join(path.name for path in made)
+
+        def make(what: str) -> Path:
+            if sequences is None or settings.suffix != _sequence.SUFFIX or what not in ("clipped", "depth"):
+                return write(image, result, prefix, what, settings.suffix, settings.level)
+            return _append(sequences, out / f"{stem(source.path)}_{what}{settings.suffix}", image, result, source.count)
+
+        row.files = " ".join(make(what).name for what in settings.products)
         row.picture = write(image, result, prefix, "small").name if small else ""
         row.write_ms = 1e3 * (time.perf_counter() - start)
     except MemoryError:
@@ -126,3 +133,15 @@ def _describe(row: Row, result: Result) -> None:
     clips = result.depth > 0
     row.clipped_share = float(clips.mean())
     row.depth_mm = float(result.depth_mm[clips].mean()) if clips.any() else 0.0
+
+
+Sequences = dict[Path, "_sequence.Writer"]  #: files that volumes are added to
+
+
+def _append(sequences: Sequences, path: Path, image: Any, result: Result, count: int) -> Path:
+    made = depth_image(image, result) if path.name.endswith(f"_depth{_sequence.SUFFIX}") else result.apply(image)
+    try:
+        sequences.setdefault(path, _sequence.Writer(path, count)).add(made)
+    except OSError as error:
+        raise OutputError(f"{path}: {error.strerror or error}") from None
+    return path

@@ -26,7 +26,7 @@ from ._products import PRODUCTS
 from ._seen import SIDES
 from ._text import plain
 from ._view import PLACES
-from ._work import Row, Settings, clip_one, name_of
+from ._work import Row, Sequences, Settings, clip_one, name_of
 
 OK, FAILED, USAGE, INPUT, PLUGIN, OUTPUT = 0, 1, 2, 3, 4, 6
 CODES = {"ok": OK, "input": INPUT, "plugin": PLUGIN, "output": OUTPUT}
@@ -87,7 +87,12 @@ def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
     add = parser.add_argument
     add("--spacing", metavar="X,Y,Z", type=spacing_of, help="mm between voxels, where files do not say it")
     add("--write", metavar="LIST", default=default, help=f"of {','.join(PRODUCTS)} [{default}]")
-    add("--format", metavar="SUFFIX", default=".nrrd", help="of volumes: .nrrd, .mha, .nii.gz [.nrrd]")
+    add(
+        "--format",
+        metavar="SUFFIX",
+        default=".nrrd",
+        help="of volumes: .nrrd, .mha, .nii.gz; .seq.nrrd: one for a sequence [.nrrd]",
+    )
     add("--level", type=finite, help="grey value at which the mesh's tissue begins [Otsu's threshold]")
     add("--mirror", action="store_true", help="Kretz volumes: the other side, as of host_sim")
     add(
@@ -178,13 +183,17 @@ def command_clip(args: argparse.Namespace) -> int:
                 tell(error)
                 code = code or INPUT
                 continue
+            sequences: Sequences = {}
             for frame in range(source.count):
                 if source.count > 1 and (name := name_of(source, frame)) in taken:
                     raise ValueError(f"{taken[name]} and {path} would both be written as {name}; clip one at a time")
-                row = clip_one(source, frame, settings, out)
+                row = clip_one(source, frame, settings, out, sequences=sequences)
                 if row.state == "ok" or row.reason != last:  # what is wrong with all of a sequence is said once
                     bar.write(plain(line_of(row, source.count > 1, source.names[frame])), file=sys.stdout)
                 code, written, last = code or CODES[row.state], written or row.state == "ok", row.reason
+            for writer in sequences.values():
+                if not writer.close():
+                    print(f"smartvis: {writer.path}: not written, since volumes of it failed", file=sys.stderr)
             bar.update()
     if written:
         print(plain(f"Files are in {out}"))

@@ -174,6 +174,10 @@ static void sequences_of_pictures_are_refused_by_name(void **state) {
         {"Offset = 0 0 29\nKinds = domain domain list\n", NULL},
         {"ElementSpacing = 0.5 0.5 0.5\nKinds = domain domain list\nSeq_Frame0000_Timestamp = 1\n",
          "Seq_Frame0000_Timestamp: this is a sequence of pictures"},
+        /* One that a peer cut out of a sequence, with all that was said of its volumes. */
+        {"Kinds = domain domain domain list\nSeq_Frame0000_ImageStatus = INVALID\nSeq_Frame0007_Timestamp = "
+         "1\n",
+         NULL},
         {"Kinds = vector domain domain\n", "Kinds is 'vector domain domain', expected domain domain domain"},
     };
     static const uint8_t data[8] = {1, 2, 3, 4, 5, 6, 7, 8};
