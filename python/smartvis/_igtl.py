@@ -4,12 +4,13 @@ size from the network must not decide how much memory is taken."""
 
 from __future__ import annotations
 
+import math
 import re
 import socket
 import struct
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,9 +33,11 @@ class PeerGone(SmartVisError):
 
 
 class Refused(SmartVisError):
-    """There is no room for what a peer sent. `device_name`: of the message."""
+    """What a peer sent is not taken, or there is no room for it. `device_name`: of the message. `code`: of the STATUS
+    that says so; 0: a STRING does."""
 
     device_name = ""
+    code = 0
 
 
 def messages() -> Any:
@@ -55,6 +58,19 @@ def _checksum(data: Any, checksum: int = 0) -> int:
         for at in range(0, len(view), _CHUNK):
             checksum = _whole_checksums[0](bytes(view[at : at + _CHUNK]), checksum)
     return checksum
+
+
+class Query(NamedTuple):
+    """A message without a body that asks for something: GET_STATUS, GET_CAPABIL, ..."""
+
+    message_type: str
+    device_name: str
+    timestamp: float
+
+
+_QUERIES = ("GET_STATUS", "GET_CAPABIL")
+_TAKEN = ("GET_CAPABIL", "GET_STATUS", "IMAGE", "STRING")
+OK, UNKNOWN_INSTRUCTION = 1, 12  #: codes of a STATUS
 
 
 class Channel:
@@ -101,11 +117,20 @@ class Channel:
     def _unpack(self, header: bytes, body: bytes) -> Any | None:
         try:
             fields = self._messages.MessageBase.parse_header(header)
+            if fields["message_type"] in _QUERIES:
+                return Query(fields["message_type"], fields["device_name"], fields["timestamp"])
             message = self._messages.MessageBase.create_message(fields["message_type"])
             if message is None:
                 return None
             message.unpack(fields, body)
             return message
+        except NotImplementedError as error:
+            if not _is_part(fields["header_version"], body):
+                raise ProtocolError(f"an image that does not fit its size: {error}") from None
+            # The message was read whole, and others may follow.
+            refused = Refused("a part of a volume (subvolume) is not taken, send all of it")
+            refused.device_name, refused.code = str(fields["device_name"]), UNKNOWN_INSTRUCTION
+            raise refused from None
         except Exception as error:  # whatever a hostile body makes of pyigtl's parser
             raise ProtocolError(f"a message that cannot be read: {type(error).__name__}: {error}") from None
 
@@ -140,6 +165,16 @@ class Channel:
         return count
 
 
+def _is_part(version: int, body: bytes) -> bool:
+    """Whether an IMAGE holds a part of a volume that lies in it, and its voxels."""
+    at = struct.unpack_from("> H", body)[0] if version > 1 else 0
+    if len(body) < at + 72:
+        return False
+    size, numbers = struct.unpack_from("> 3H", body, at + 6), struct.unpack_from("> 6H", body, at + 60)
+    fits = all(n > 0 and first + n <= all_ for all_, first, n in zip(size, numbers[:3], numbers[3:], strict=True))
+    return fits and len(body) >= at + 72 + math.prod(numbers[3:])
+
+
 def image_message(name: str, voxels: NDArray[Any], matrix: NDArray[np.float64], like: Any) -> Any:
     """An IMAGE with the time and the world of the message that it answers. Names have 20 characters at most."""
     return messages().ImageMessage(
@@ -155,6 +190,36 @@ def string_message(name: str, text: str, timestamp: float | None = None) -> Any:
     """A STRING."""
     plain = text.encode("ascii", "replace").decode()
     return messages().StringMessage(plain, timestamp=timestamp, device_name=short(name))
+
+
+class _Packed(NamedTuple):
+    """A message of a type that pyigtl does not know, ready to be sent."""
+
+    data: bytes
+    message_type: str
+
+    def pack(self) -> bytes:
+        return self.data
+
+
+def _packed(kind: str, name: str, body: bytes) -> _Packed:
+    seconds = time.time()
+    stamp = int(seconds), int((seconds % 1) * (1 << 32))
+    messages()
+    checksum = _checksum(body)
+    return _Packed(_HEADER.pack(1, kind.encode(), short(name).encode(), *stamp, len(body), checksum) + body, kind)
+
+
+def status_message(name: str, code: int, text: str) -> Any:
+    """A STATUS: how it stands, in words, too."""
+    plain = text.encode("ascii", "replace")
+    error = b"OK" if code == OK else b"UNSUPPORTED"
+    return _packed("STATUS", name, struct.pack("> H q 20s", code, 0, error) + plain + b"\0")
+
+
+def capability_message(name: str) -> Any:
+    """A CAPABILITY: the types of messages that are answered."""
+    return _packed("CAPABILITY", name, b"".join(struct.pack("12s", kind.encode()) for kind in _TAKEN))
 
 
 def short(name: str) -> str:

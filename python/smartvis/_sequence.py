@@ -60,10 +60,10 @@ def _header(image: Any, voxels: Any, count: int) -> str:
     lines += ["kinds: domain domain domain list", "endian: little", "encoding: raw"]
     if _images.says_spacing(image):
         axes = np.reshape(image.GetDirection(), (3, 3)) * np.array(image.GetSpacing())
-        space = "3D-right-handed" if image.HasMetaDataKey(_images.PLACE) else "left-posterior-superior"
         vectors = " ".join(f"({','.join(repr(float(part)) for part in axes[:, axis])})" for axis in range(3))
         origin = ",".join(repr(float(part)) for part in image.GetOrigin())
-        lines += [f"space: {space}", f"space directions: {vectors} none", f"space origin: ({origin})"]
+        # Any other space 3D Slicer's reader of sequences would take for one that looks the other way.
+        lines += ["space: left-posterior-superior", f"space directions: {vectors} none", f"space origin: ({origin})"]
     if image.HasMetaDataKey(_images.PLACE):
         lines.append(f"{_images.FILE_NOTES}:={_images.UNPLACED}")
     return "\n".join([*lines, "", ""])

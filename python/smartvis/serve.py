@@ -7,6 +7,8 @@ A client sends an IMAGE named NAME. It gets three messages back:
 - IMAGE ``NAME_depth``, the depthmap in mm, one slice on the volume's front,
 - STRING ``NAME_outcome``: ``OK``, ``PARTIAL``, ``NO_SURFACE``, why, and how the beams ran; or ``ERROR`` and the reason.
 
+GET_STATUS and GET_CAPABIL are answered; a part of a volume (subvolume) is refused by a STATUS.
+
 A STRING with ``KEY=VALUE ...`` sets parameters of this connection from the next volume on. Names are cut to 20
 characters, of which NAME may have 12. Each client has a thread and an activated plugin of its own, so that one
 that sends nonsense, stops in the middle or vanishes ends its own connection only.
@@ -28,7 +30,18 @@ from numpy.typing import NDArray
 
 from ._clip import ClipperCache
 from ._errors import SmartVisError
-from ._igtl import Channel, PeerGone, ProtocolError, Refused, image_message, messages, string_message
+from ._igtl import (
+    OK,
+    Channel,
+    PeerGone,
+    ProtocolError,
+    Refused,
+    capability_message,
+    image_message,
+    messages,
+    status_message,
+    string_message,
+)
 from ._plugin import Plugin
 from ._result import Result
 from ._text import plain
@@ -170,6 +183,8 @@ class Session:
         try:
             message = channel.receive()
         except Refused as refused:
+            if refused.code:
+                return [status_message(refused.device_name, refused.code, str(refused))]
             return [string_message(f"{refused.device_name[:_LONGEST_NAME]}_outcome", f"ERROR {refused}")]
         return [] if message is None else self.answer(message)
 
@@ -179,6 +194,10 @@ class Session:
             return self._clip(message)
         if message.message_type == "STRING":
             return [self._set(message)]
+        if message.message_type == "GET_STATUS":
+            return [status_message(message.device_name, OK, "ready")]
+        if message.message_type == "GET_CAPABIL":
+            return [capability_message(message.device_name)]
         return []
 
     def _set(self, message: Any) -> Any:

@@ -201,7 +201,7 @@ def damaged() -> bytes:
 def absurd_image() -> bytes:
     """A right checksum over an image whose size is not that of its voxels."""
     body = bytearray(image(layers((8, 8, 8))).pack()[58:])
-    body[6:8] = b"\xff\xff"
+    body[6:8] = body[66:68] = b"\xff\xff"  # of the volume, and of the part that is sent: all
     return header(size=len(body), checksum=CRC64(bytes(body))) + bytes(body)
 
 
@@ -354,3 +354,34 @@ def test_a_checksum_lets_other_threads_work() -> None:
 
 def test_a_port_that_is_taken_is_named(port: int, capsys) -> None:
     assert main(["serve", "--port", str(port)]) == 2 and f"--port {port}" in capsys.readouterr().err
+
+
+def ask(peer: socket.socket, data: bytes) -> tuple[str, str, bytes]:
+    """Type, device name and body of what answers."""
+    peer.sendall(data)
+    header = read_exactly(peer, 58)
+    fields = MessageBase.parse_header(header)
+    body = read_exactly(peer, fields["body_size"])
+    assert CRC64(body) == struct.unpack("> Q", header[50:])[0]
+    return fields["message_type"], fields["device_name"], body
+
+
+def query(kind: str) -> bytes:
+    return struct.pack("> H 12s 20s II Q Q", 1, kind.encode(), b"Slicer", 0, 0, 0, 0)
+
+
+def test_queries_are_answered_and_parts_of_volumes_refused(port: int) -> None:
+    with connect(port) as peer:
+        kind, name, body = ask(peer, query("GET_STATUS"))
+        assert (kind, name) == ("STATUS", "Slicer")
+        assert struct.unpack_from("> H q 20s", body) == (1, 0, b"OK".ljust(20, b"\0")) and body[30:] == b"ready\0"
+        kind, name, body = ask(peer, query("GET_CAPABIL"))
+        types = [body[at : at + 12].rstrip(b"\0") for at in range(0, len(body), 12)]
+        assert kind == "CAPABILITY" and types == [b"GET_CAPABIL", b"GET_STATUS", b"IMAGE", b"STRING"]
+        whole = image(layers((32, 32, 32))).pack()
+        part = whole[58:124] + struct.pack("> 3H", 32, 32, 16) + whole[130:]  # half of the slices
+        kind, name, body = ask(peer, whole[:50] + struct.pack("> Q", CRC64(part)) + part)
+        assert (kind, name) == ("STATUS", "Scan") and struct.unpack_from("> H", body)[0] == 12
+        assert b"a part of a volume (subvolume) is not taken" in body
+        peer.sendall(whole)  # and the connection goes on
+        assert [read_message(peer).message_type for _ in range(3)] == ["IMAGE", "IMAGE", "STRING"]
