@@ -184,6 +184,7 @@ int32_t hs_seen_take(hs_seen_volume *v) {
     if (v->padding == HS_SEEN_ALL_SCANNED && !v->mask) hs_volume_mark_all_scanned(&volume);
     for (size_t i = 0; v->mask && i < count_of(v); i++)
         v->levels[i] = !v->mask[i] ? 0 : v->levels[i] || v->padding == HS_SEEN_AUTO ? v->levels[i] : 1;
+    volume.zeros_guessed &= !v->mask;
     find_course(v, &volume);
     return 1;
 }

@@ -26,6 +26,7 @@ void hs_volume_share_beams(hs_volume *v, const hs_volume *found) {
     v->probe = found->probe;
     memcpy(v->probe_turn, found->probe_turn, sizeof v->probe_turn);
     v->course = found->course;
+    hs_volume_fill_fan(v);
 }
 
 void hs_course_take_said(hs_volume *v) {

@@ -8,6 +8,7 @@
 
 static const double clear = 0.95;    /* and as much if it is not turned */
 static const double followed = 0.92; /* and this share of what lies near: the rest is cut off */
+static const double whole = 0.93;    /* of the border of a scan that nothing was cut from */
 
 /* The radius at which the middle line enters the volume. */
 static double first_scanned(const fan *f, const border *b) {
@@ -31,6 +32,9 @@ static void take(hs_volume *v, hs_probe face, const fan *f, const border *b) {
         c->sweep = f->x[SWEEP];
         c->face = f->on[4] > b->count / 20 ? f->x[FACE] : first_scanned(f, b);
         c->misfit = f->median;
+        if (f->share >= whole && f->on[4] > b->count / 100) memcpy(c->radii, f->x + FACE, sizeof c->radii);
+        memcpy(c->lines, f->x + LOW_LINE, sizeof c->lines);
+        c->planes = f->x[PLANE];
     }
     v->probe = face;
     for (int i = 0; i < 9; i++) { /* from the probe's axes to those of who looks from the face */
@@ -121,5 +125,6 @@ void hs_volume_find_beams(hs_volume *v) {
     }
     if (c->kind != HS_BEAMS_FAN) hs_course_find_noise(v);
     if (c->kind == HS_BEAMS_PARALLEL && v->apex_said && !v->spacing_unsaid) hs_course_take_said(v);
+    hs_volume_fill_fan(v);
     free(memory);
 }

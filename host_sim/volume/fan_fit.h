@@ -14,9 +14,14 @@
  * - without a fan, the one whose lines meet where the file says, if it does;
  * - else, or where the size is doubted, parallel from the probe's face, if that was stated.
  *
- * Deterministic; some 50 ms. Does not read what is inside the scan.
+ * Black fluid that was written as 0 is scanned all the same: see hs_volume_fill_fan. Deterministic; some
+ * 100 ms. Does not read what is inside the scan.
  */
 void hs_volume_find_beams(hs_volume *volume);
+
+/* Voxels of 0 inside a fan whose outline is whole become 1, a black echo, if nobody said what was
+ * scanned. */
+void hs_volume_fill_fan(hs_volume *volume);
 
 /* Looks whether the volume's corners are dark noise (course.noisy), as where a file has no one value outside
  * the scan. */

@@ -99,8 +99,11 @@ static bool is_zero_in_a_corner(const hs_volume *v) {
 
 bool hs_levels_mark_unscanned(const hs_levels *l, hs_volume *volume, hs_error *err) {
     const bool small = volume->nx < 2 || volume->ny < 2 || volume->nz < 2;
-    if (l->low == 0.0 || l->has_outside || small || is_zero_in_a_corner(volume))
-        return hs_volume_mark_unscanned(volume, err);
+    if (l->low == 0.0 || l->has_outside || small || is_zero_in_a_corner(volume)) {
+        const bool marked = hs_volume_mark_unscanned(volume, err);
+        volume->zeros_guessed &= !l->has_outside;
+        return marked;
+    }
     hs_volume_mark_all_scanned(volume);
     return true;
 }

@@ -401,6 +401,7 @@ bool hs_volume_mark_unscanned(hs_volume *volume, hs_error *err) {
         hs_parallel(hs_thread_count(0), volume->nz, seed_slice, &f);
         flood_run(&f);
         flood_raise_inner(&f);
+        volume->zeros_guessed = true;
     }
     flood_free(&f);
     return ok;

@@ -42,8 +42,11 @@ typedef struct {
     double apex[3]; /* of a fan: where the lines of its middle plane meet, from the volume's corner */
     double sweep;   /* from there, along the probe's z, to the axis that is swept about; parallel to its x */
     double face;    /* radius at which the lines begin */
-    double misfit;  /* half of the scan's border lies closer to the fan; 0: the file says the fan */
-    bool found;     /* the probe's face was found in the fan: nobody stated it */
+    /* All of the scan's border is the fan's: it lies between these radii, angles of the outer lines, and this
+     * angle of the outer planes to either side; radii of 0: not so. */
+    double radii[2], lines[2], planes;
+    double misfit;     /* half of the scan's border lies closer to the fan; 0: the file says the fan */
+    bool found;        /* the probe's face was found in the fan: nobody stated it */
     hs_probe asked[2]; /* faces where the probe may be, if that is worth a question */
     uint32_t asked_count;
     double
@@ -96,6 +99,7 @@ const char *hs_probe_name(hs_probe probe);
 typedef struct {
     uint32_t nx, ny, nz;
     double spacing[3];   /* mm, > 0 */
+    bool zeros_guessed;  /* nobody said what was scanned: zeros that the border reaches may be black fluid */
     bool spacing_unsaid; /* nobody said it: a voxel is 1 of an unknown unit, and its sides may differ */
     hs_pose pose;        /* of zeros: unknown, and seen from the probe as the default one is */
     hs_probe probe;

@@ -319,6 +319,43 @@ static void a_stated_face_without_a_fan_is_doubted(void **state) {
     hs_volume_free(&v);
 }
 
+static size_t zeros_of(const hs_volume *v) {
+    size_t count = 0;
+    for (size_t i = 0; i < hs_volume_count(v); i++) count += v->voxels[i] == 0;
+    return count;
+}
+
+/* Fluid that was written as 0 was scanned, wherever it lies in the fan, in a volume that shares the beams,
+ * too. Where a part of the scan was cut off nobody knows what was scanned, and what the file says counts. */
+static void black_fluid_was_scanned(void **state) {
+    enum { WHOLE_SCAN, CUT, SAID };
+    for (int kind = WHOLE_SCAN; kind <= SAID; kind++) {
+        double apex[3];
+        hs_volume copy = copy_of(&geometries[0]), v = seen_from(&copy, &geometries[0], HS_PROBE_LOW_Z, apex);
+        const size_t outside = zeros_of(&v);
+        for (size_t i = 0; i < hs_volume_count(&v); i++) {
+            const double x = (double)(i % v.nx) / v.nx, y = (double)(i / v.nx % v.ny) / v.ny,
+                         z = (double)(i / v.nx / v.ny) / v.nz;
+            const bool pocket = hypot(x - 0.5, y - 0.45) < 0.1 && fabs(z - 0.5) < 0.2;
+            if (pocket || (kind == CUT && x < 0.5 && z > 0.6)) v.voxels[i] = 0;
+        }
+        const size_t before = zeros_of(&v);
+        hs_volume next;
+        must(hs_volume_init(&next, v.nx, v.ny, v.nz, &err));
+        memcpy(next.voxels, v.voxels, hs_volume_count(&v));
+        memcpy(next.spacing, v.spacing, sizeof v.spacing);
+        v.zeros_guessed = next.zeros_guessed = kind != SAID;
+        hs_volume_find_beams(&v);
+        hs_volume_share_beams(&next, &v);
+        assert_true(before > outside + 1000);
+        assert_int_equal(zeros_of(&v), kind == WHOLE_SCAN ? outside : before);
+        assert_memory_equal(next.voxels, v.voxels, hs_volume_count(&v));
+        hs_volume_free(&next);
+        hs_volume_free(&v);
+        hs_volume_free(&copy);
+    }
+}
+
 /* Real scans, where they are at hand: some are turned in their box, one ends within the fan. */
 static void real_scans(void **state) {
     static const char *const scans[] = {"fetal_head_21w.mha", "fetal_head_22w.mha", "fetal_head_23w.mha",
@@ -342,4 +379,4 @@ static void real_scans(void **state) {
 
 UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts,
           an_apex_that_is_said_counts_where_nothing_is_found, others_are_none, oblique_box_is_parallel,
-          wrong_spacing_is_told, a_stated_face_without_a_fan_is_doubted, real_scans)
+          wrong_spacing_is_told, a_stated_face_without_a_fan_is_doubted, black_fluid_was_scanned, real_scans)
