@@ -19,10 +19,8 @@ static uint32_t even(double count) {
 
 sv_wall_layout sv_wall_grid_layout(const sv_wall_settings *s) {
     const uint32_t across = even(SV_WALL_GRID_MM / s->beam_mm);
-    sv_wall_settings along = *s;
-    along.seen_share = s->beam_seen_share;
     sv_wall_layout l = sv_wall_layout_of_grid(across, across, even(SV_WALL_GRID_MM / s->block_mm), s->beam_mm,
-                                              s->block_mm, &along);
+                                              s->block_mm, s);
     l.dim_front = 1; /* what is badly lit before the probe's face is wall all the same */
     l.valley = 0;    /* the answer needs no limb */
     return l;

@@ -57,9 +57,8 @@
     CONSTANT(half_confidence_cost, 5.5) \
     /* So many rays must show the fetus, or nothing is clipped; and so many a wall, or the next two are
      * assumed. */ \
-    CONSTANT(seen_share, 0.05) \
-    CONSTANT(beam_seen_share, 0.1) /* the same along the beams */ \
-    CONSTANT(clear_share, 0.35)    /* from this share in gaps on, a fetus need not be brighter than the wall */ \
+    CONSTANT(seen_share, 0.1) \
+    CONSTANT(clear_share, 0.35) /* from this share in gaps on, a fetus need not be brighter than the wall */ \
     CONSTANT(assumed_wall, 0.6) /* brightness of the wall in units of the bright class' mean */ \
     CONSTANT(assumed_spread, 0.5) /* its spread, ln of the odds */
 /* clang-format on */

@@ -118,9 +118,9 @@ holds grep -q '^  all ' "$work/stdout"
 cp "$work/stdout" "$work/as_it_is"
 code 0 wall --case "$small" --set fetus_level=0
 holds [ "$(cmp -s "$work/stdout" "$work/as_it_is"; echo $?)" = 1 ]
-for beams in 0 1; do # a limit along the beams: heeded if these are told, by cases and by volumes
-    code 0 wall --case "$small" --volume "$full" --set beam_seen_share=1 --set clear_share=2 --set beams=$beams
-    holds [ "$(grep -c 'outcome 3,' "$work/stdout")" -eq $((2 * beams)) ]
+for beams in 0 1; do # limits are heeded by cases and by volumes, by a camera and along the beams
+    code 0 wall --case "$small" --volume "$full" --set seen_share=1 --set clear_share=2 --set beams=$beams
+    holds [ "$(grep -c 'outcome 3,' "$work/stdout")" -eq 2 ]
 done
 code 0 wall --tilt 10,-5 --case "$small"
 holds grep -q ' 10,-5 .*outcome 0' "$work/stdout"

@@ -128,9 +128,10 @@ static sv_wall_evidence evidence_of_walls(uint32_t walls) {
     return e;
 }
 
-/* Below 5 % of the rays there is no wall. Then it counts as 0.6 of the bright mean, with a spread of 0.5. */
+/* Below a tenth of the rays there is no wall. It counts as 0.6 of the bright mean then, with a spread of 0.5.
+ */
 static void a_wall_on_few_rays_is_assumed(void **state) {
-    const sv_wall_evidence few = evidence_of_walls(4), many = evidence_of_walls(5);
+    const sv_wall_evidence few = evidence_of_walls(9), many = evidence_of_walls(10);
     assert_true(few.bare && !many.bare);
     assert_int_equal(few.wall, 60 * SV_WALL_LEVEL_ONE);
     assert_near(ldexp(few.spread, -SV_WALL_ODDS_BITS), 0.5, 0.001);
