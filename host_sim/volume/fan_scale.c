@@ -7,14 +7,15 @@
 
 /*
  * A fan whose lengths along one axis are wrong is none, so its outline tells which spacing it has: up to a
- * factor for all axes, which leaves it a fan. Looked for are an axis that is too long or too short, the three
- * spacings in another order, and where neither is found, a scan so small or large that no fan was.
+ * factor for all axes, which leaves it a fan. Looked for are an axis that is too long or too short, and the
+ * three spacings in another order.
  */
 
 static const double better = 0.05; /* of the border: as much more must lie on the fan, for the unknown more */
 static const double enough = 0.85; /* of the border */
 static const double changed = 1.1; /* a smaller factor bends a fan, and leaves it one */
-static const double hardly = 200.0; /* mm: of a longer radius the lines hardly part, and bend by chance */
+static const double hardly = 200.0;  /* mm: of a longer radius the lines hardly part, and bend by chance */
+static const double farthest = 0.59; /* of a logarithm: how far a trial may go, hs_fan_from */
 static const double first[] = {0.5, 2.0};
 
 typedef struct {
@@ -41,6 +42,7 @@ static void try_factor(search *s, const hs_volume *v, const border *b, const dou
         double axes[9];
         hs_probe_axes(v, s->faces[n], axes);
         const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, axis);
+        if (fabs(f.x[SCALE]) > farthest) continue; /* it has not come to rest */
         if (f.share <= s->share || f.x[FACE] > hardly || !hs_fan_holds(&f, &s->scaled, axes)) continue;
         s->share = f.share;
         s->found = true;
@@ -84,8 +86,6 @@ bool hs_fan_find_scale(const hs_volume *v, const border *b, const hs_probe faces
         s.turned = turned == 1;
         try_orders(&s, v, b);
         try_axes(&s, v, b);
-        for (size_t n = 0; n < sizeof first / sizeof *first && !s.found; n++)
-            try_factor(&s, v, b, (const double[3]){first[n], first[n], first[n]}, -1);
     }
     free(s.points);
     for (int k = 0; k < 3; k++) spacing[k] = v->spacing[k] * s.factor[k];

@@ -375,6 +375,16 @@ static void real_scans(void **state) {
         hs_volume_free(&v);
     }
     if (found == 0) skip();
+    const char *const hardly = unit_text("%s/../shared/data/site_b/E02_full.mha", source ? source : ".");
+    char question[160];
+    struct stat status;
+    hs_volume v;
+    if (stat(hardly, &status) != 0) return;
+    must(hs_metaimage_read(hardly, NULL, &v, &err)); /* beams that hardly part, of another make of scenes */
+    hs_volume_find_beams(&v);
+    hs_course_question(&v, question, sizeof question);
+    assert_string_equal(question, "");
+    hs_volume_free(&v);
 }
 
 UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts,
