@@ -17,8 +17,8 @@ typedef struct {
     bool is_cpu; /* the device is a CPU: it shares the host's memory */
 } hs_cl;
 
-/* Opens the device that smartvis/device.h finds. False with HS_ERR_DEVICE and what to do about it; `cl` is all
- * zero then. */
+/* Opens the device that smartvis/device.h finds. False with HS_ERR_DEVICE and what to do about it; `cl` is
+ * all zero then. */
 bool hs_cl_open_bare(hs_cl *cl, hs_error *err);
 
 /* Waits for the queue and releases everything. Safe on a zeroed struct. */

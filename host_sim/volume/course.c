@@ -22,13 +22,6 @@ void hs_probe_axes(const hs_volume *v, hs_probe face, double out[9]) {
     for (size_t k = 0; k < 3; k++) out[k * 3] = 0.0 - out[k * 3];
 }
 
-void hs_volume_share_beams(hs_volume *v, const hs_volume *found) {
-    v->probe = found->probe;
-    memcpy(v->probe_turn, found->probe_turn, sizeof v->probe_turn);
-    v->course = found->course;
-    hs_volume_fill_fan(v);
-}
-
 void hs_course_take_said(hs_volume *v) {
     const double n[3] = {v->nx, v->ny, v->nz};
     const int axis = 2 - (int)v->probe / 2, is_high = (int)v->probe % 2;

@@ -127,3 +127,10 @@ void hs_volume_find_beams(hs_volume *v) {
     hs_volume_fill_fan(v);
     free(memory);
 }
+
+void hs_volume_share_beams(hs_volume *v, const hs_volume *found) {
+    v->probe = found->probe;
+    memcpy(v->probe_turn, found->probe_turn, sizeof v->probe_turn);
+    v->course = found->course;
+    hs_volume_fill_fan(v);
+}

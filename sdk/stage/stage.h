@@ -96,8 +96,8 @@ uint64_t stage_inputs(const stage *st);
 sv_status stage_run(const stage *st, const sv_plugin *p, const sv_param_value *values, uint32_t count,
                     const sv_result *result);
 
-/* True if slabs can be images there: of one channel of 8 bits, with both types that the header names. A device
- * may have images and none of these (PoCL 7.1). */
+/* True if slabs can be images there: of one channel of 8 bits, with both types that the header names. A
+ * device may have images and none of these (PoCL 7.1). */
 bool stage_has_images(const stage_device *device);
 
 /* What smartvis.needs/1 asks of a device. */
