@@ -90,11 +90,13 @@ static int run(int argc, char **argv) {
     return HS_ERR_USAGE;
 }
 
-/* PoCL and LLVM leave by exit(1), abort or a fault where they cannot compile. */
-static const char last_words[] = "\nhost_sim: a library that it uses ended it, most likely the OpenCL "
-                                 "runtime's compiler. 'host_sim prepare\n"
-                                 "--fresh' empties PoCL's kernel cache and compiles anew; "
-                                 "docs/troubleshooting.md says what else there is.\n";
+/* PoCL and LLVM leave by exit(1), abort or a fault where they cannot compile, a plugin without a guard as it
+ * likes. */
+static const char last_words[] =
+    "\nhost_sim: a library ended it: the plugin, if it has no guard, or the OpenCL runtime's "
+    "compiler.\n'host_sim prepare "
+    "--fresh' empties PoCL's kernel cache and compiles anew; "
+    "docs/troubleshooting.md says what else there is.\n";
 
 int main(int argc, char **argv) {
     argv = sys_arguments(&argc, argv);

@@ -55,7 +55,7 @@ def _below(
         there = path.stat()
         if (there.st_dev, there.st_ino) in above or (out is not None and out.exists() and path.samefile(out)):
             continue
-        if (path / ROWS / SETTINGS).exists():
+        if os.path.exists(path / ROWS / SETTINGS):  # no, also where nobody may look
             tell(f"{path}: holds results of a batch, which are left out")
             continue
         yield from _below(path, out, tell, closed, above)

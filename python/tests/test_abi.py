@@ -12,7 +12,7 @@ from smartvis import _abi
 
 HEADERS = [
     "smartvis_plugin.h",
-    *(f"smartvis/{name}.h" for name in ("confidence", "needs", "points", "spline", "timing")),
+    *(f"smartvis/{name}.h" for name in ("confidence", "needs", "points", "timing")),
 ]
 STRUCTS = list(_abi.STRUCTS.values())
 FORMATS = {int: "lld", float: ".1f", str: "s"}

@@ -86,7 +86,7 @@ def test_sequences_are_clipped_volume_by_volume(tmp_path: Path, volume, capsys) 
     sitk.WriteImage(series, str(tmp_path / "beat.nii.gz"))
     assert main(["clip", str(tmp_path / "beat.nii.gz"), "--out", str(tmp_path), "--write", "clipped"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert "[0]" in lines[0] and "NO_SURFACE" in lines[2]
+    assert "[0]" in lines[0] and any("[2]" in line and "NO_SURFACE" in line for line in lines)
     for number, frame in enumerate(frames[:2]):
         clipped = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / f"beat_f{number:04d}_clipped.nrrd")))
         assert np.array_equal(clipped, smartvis.clip(frame, (1, 1, 1)).apply(frame))

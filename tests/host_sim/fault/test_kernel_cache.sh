@@ -16,9 +16,9 @@ for guard in --no-guard --guard; do
     LD_PRELOAD=$build/tests/full_disk.so expect 5 "1 MiB free, expected 8" "${run[@]}" $guard
 done
 # The plugin asks by itself, for hosts that do not.
-POCL_CACHE_DIR=$work/file/cache ends 1 "$build/tests/host_state" "$build/smartvis.so"
+POCL_CACHE_DIR=$work/file/cache ends 1 "$build/tests/kept_state" "$build/smartvis.so"
 holds grep -qF "$work/file/cache cannot be written" "$work/stderr"
-POCL_CACHE_DIR=$work/file/cache ends 1 "$build/tests/host_state" "$build/examples/kernel_edge.so"
+POCL_CACHE_DIR=$work/file/cache ends 1 "$build/tests/kept_state" "$build/examples/kernel_edge.so"
 holds grep -qF "$work/file/cache cannot be written" "$work/stderr"
 
 expect 0 "" prepare

@@ -77,7 +77,7 @@ expect 2 "--guard-time: 0 is outside" list --guard-time 5,0
 expect 2 "--guard-memory: 1 is outside 16 .." list --guard-memory 1
 # On by default for a library that is not the host's own: what its constructor does is told.
 expect 4 "exit_in_constructor.so: left by exit(0) in dlopen" list --plugin "$build/wrong/exit_in_constructor.so"
-expect 0 "" list --plugin "$build/wrong/exit_in_constructor.so" --no-guard
+expect 5 "a library ended it: the plugin" list --plugin "$build/wrong/exit_in_constructor.so" --no-guard
 holds [ ! -s stdout ]
 if [ "${SV_SANITIZE:-0}" = 0 ]; then # a sanitizer makes an exit of a crash
     expect 4 "crash_in_constructor.so: crashed: SIGSEGV in dlopen" list --plugin "$build/wrong/crash_in_constructor.so"
