@@ -4,7 +4,7 @@
 use crate::abi::*;
 use crate::layout::structs;
 use std::ffi::c_void;
-use std::os::raw::c_char;
+use std::os::raw::{c_char, c_long};
 use std::panic::{catch_unwind, AssertUnwindSafe};
 
 structs! {
@@ -68,6 +68,7 @@ structs! {
         next_slice: u32,
         state: u32,
         reason: [c_char; 512],
+        busy: c_long,
     }
 }
 

@@ -295,7 +295,8 @@ static const char *const untold[] = {
     "shrinks_files",
     "writes_to_files",
     "lowers_limits",
-    "lowers_hard_limit", /* process-untouched: only */
+    "lowers_hard_limit",
+    "takes_signal", /* process-untouched: only */
     "forks",
     "forks_session",
     "closes_when_refused",
