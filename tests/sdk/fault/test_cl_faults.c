@@ -60,7 +60,9 @@ static bool activate_failing(fixture *f, uint32_t n) {
     const char *failed = failed_call ? failed_call : "no call";
     spy_fail(0, 0);
     if (!fails) assert_int_equal(status, SV_OK);
-    if (fails && status == SV_OK && !is_search(failed)) fail_msg("call %u, %s: failed unnoticed", n, failed);
+    /* The search asks a platform's name, too: without an answer no kernel cache is looked at. */
+    const bool may_fail = is_search(failed) || strcmp(failed, "clGetPlatformInfo") == 0;
+    if (fails && status == SV_OK && !may_fail) fail_msg("call %u, %s: failed unnoticed", n, failed);
     if (status == SV_OK) {
         fixture_frame_is_good(f);
         f->r.plugin->deactivate(f->r.plugin);
