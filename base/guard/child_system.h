@@ -21,7 +21,7 @@ intptr_t hs_child_handle(uint32_t n);
 bool hs_child_is_channel(intptr_t handle);
 
 /* In a child, before it does anything else. */
-void hs_child_settle(intptr_t line);
+void hs_child_settle(intptr_t handle);
 
 /* Fills in process, channel, output, job and bell. argv[argc - 1] is free for the mark. */
 bool hs_process_start(hs_child *child, const char *program, char **argv, uint32_t argc,

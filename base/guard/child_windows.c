@@ -263,8 +263,8 @@ bool hs_child_is_channel(intptr_t handle) {
     return GetFileType((HANDLE)handle) == FILE_TYPE_PIPE;
 }
 
-void hs_child_settle(intptr_t line) {
-    (void)line;
+void hs_child_settle(intptr_t handle) {
+    (void)handle;
 }
 
 bool hs_child_send(intptr_t channel, const void *message, size_t bytes) {

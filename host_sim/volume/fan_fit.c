@@ -8,6 +8,7 @@
 
 static const double clear = 0.95;    /* and as much if it is not turned */
 static const double followed = 0.92; /* and this share of what lies near: the rest is cut off */
+static const double hopeless = 0.6;  /* cost of a trial */
 static const double whole = 0.93;    /* of the border of a scan that nothing was cut from */
 
 /* The radius at which the middle line enters the volume. */
@@ -48,7 +49,7 @@ static double try_face(const hs_volume *v, hs_probe face, const border *b, doubl
     double axes[9], fits = 0.0;
     hs_probe_axes(v, face, axes);
     for (int turned = 0; turned < 2 && fits < 1.0 + clear; turned++) {
-        const fan f = hs_fan_from(axes, b, room, turned == 1, -1);
+        const fan f = hs_fan_from(axes, b, room, turned == 1, -1, hopeless);
         const double now = f.share + (hs_fan_holds(&f, b, axes) ? 1.0 : 0.0);
         if (now < fits) continue;
         fits = now;

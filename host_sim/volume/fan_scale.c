@@ -16,6 +16,8 @@ static const double enough = 0.85; /* of the border */
 static const double changed = 1.1; /* a smaller factor bends a fan, and leaves it one */
 static const double hardly = 200.0;  /* mm: of a longer radius the lines hardly part, and bend by chance */
 static const double farthest = 0.59; /* of a logarithm: how far a trial may go, hs_fan_from */
+static const double hopeless =
+    0.25; /* cost of a trial: most of the border is near a fan that will hold enough */
 static const double first[] = {0.5, 2.0};
 
 typedef struct {
@@ -41,7 +43,7 @@ static void try_factor(search *s, const hs_volume *v, const border *b, const dou
     for (int n = 0; n < (s->faces[1] == s->faces[0] ? 1 : 2); n++) {
         double axes[9];
         hs_probe_axes(v, s->faces[n], axes);
-        const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, axis);
+        const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, axis, hopeless);
         if (fabs(f.x[SCALE]) > farthest) continue; /* it has not come to rest */
         if (f.share <= s->share || f.x[FACE] > hardly || !hs_fan_holds(&f, &s->scaled, axes)) continue;
         s->share = f.share;
@@ -73,11 +75,11 @@ static void try_axes(search *s, const hs_volume *v, const border *b) {
 
 bool hs_fan_find_scale(const hs_volume *v, const border *b, const hs_probe faces[2], double share,
                        double *room, double spacing[3]) {
-    search s = {.room = room,
-                .points = malloc((size_t)HS_BORDER_MOST * sizeof *s.points),
+    search s = {.points = malloc((size_t)HS_BORDER_MOST * sizeof *s.points),
                 .faces = faces,
                 .share = fmax(enough, share + better),
                 .factor = {1.0, 1.0, 1.0}};
+    s.room = room;
     if (!s.points || share > enough) {
         free(s.points);
         return false;

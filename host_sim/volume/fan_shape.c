@@ -267,7 +267,8 @@ static void measure(fan *f, const border *b, double *room) {
     f->median = quantile(room, b->count, 0.5);
 }
 
-fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, int scaled) {
+fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, int scaled,
+                double hopeless) {
     static const double turns[4][3] = {{0.49, 0, 0}, {-0.49, 0, 0}, {0, 0.49, 0}, {0, -0.49, 0}};
     const uint32_t every = 1 + (b->count - 1) / FEW;
     fan best = {.cost = 2.0};
@@ -283,7 +284,7 @@ fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned
         if (f.cost < best.cost) best = f;
     }
     if (best.cost > 1.0) return best;
-    if (best.cost < 0.6) improve(&best, b, 1 + (b->count - 1) / (5 * FEW), 60, 1.0);
+    if (best.cost < hopeless) improve(&best, b, 1 + (b->count - 1) / (5 * FEW), 60, 1.0);
     measure(&best, b, room);
     return best;
 }

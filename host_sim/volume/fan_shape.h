@@ -40,11 +40,13 @@ typedef struct {
 } fan;
 
 /* Room for HS_BORDER_MOST points. */
-void hs_border_find(const hs_volume *volume, border *out, double (*points)[3]);
+void hs_border_find(const hs_volume *volume, border *b, double (*points)[3]);
 
 /* The best fan from a face. `turned`: of a scan whose axis is not the volume's, 28 degrees to either side.
- * `scaled`: the axis whose scale is sought, too, or -1. `room`: HS_BORDER_MOST numbers. */
-fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, int scaled);
+ * `scaled`: the axis whose scale is sought, too, or -1. `hopeless`: a first trial whose cost is no less is
+ * not brought to rest, which takes most of the time. `room`: HS_BORDER_MOST numbers. */
+fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, int scaled,
+                double hopeless);
 
 /* It narrows towards the face it was begun from, and enough of what shows its shape is on it. */
 bool hs_fan_holds(const fan *f, const border *b, const double axes[9]);

@@ -285,6 +285,7 @@ long _InterlockedCompareExchange(long volatile *word, long to, long from); /* th
 #endif
 
 /* Of a word that several threads change: to `to` if it is `from`. False: it is not. */
+/* NOLINTNEXTLINE(readability-non-const-parameter): clang-tidy does not see that the builtin writes. */
 static inline int sva_change(long *word, long from, long to) {
 #if defined(_MSC_VER) && !defined(__clang__)
     return _InterlockedCompareExchange((volatile long *)word, to, from) == from;

@@ -100,6 +100,9 @@ static void note_doubts(const hs_volume *volume, char *out, size_t bytes) {
     hs_course_words(volume, beams, sizeof beams);
     if (volume->course.found || !hs_probe_is_known(volume))
         hs_print(stderr, "%s: beams: %s\n", volume->name, beams);
+    const size_t used = strlen(out);
+    if (!hs_probe_is_known(volume)) /* what is assumed stands on the page, too */
+        (void)snprintf(out + used, bytes - used, "%sBeams: %s.", used ? " " : "", beams);
 }
 
 static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_error *err) {

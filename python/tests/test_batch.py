@@ -29,7 +29,7 @@ from smartvis import _study
 from smartvis._files import PARTS
 from smartvis._found import find_files
 from smartvis._products import quick_look, small_look
-from smartvis._rows import BEGAN, folder_of
+from smartvis._rows import BEGAN, folder_of, row_path
 from smartvis._work import Settings
 from smartvis.cli import main
 
@@ -112,7 +112,7 @@ def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> Non
     again = _study.batch(found, SETTINGS, out, client, lambda: None)
     changed = {p for p, t in rows_of(out).items() if before[p] != t}
     assert len(changed) == 2 and [r["state"] for r in again] == [r["state"] for r in rows]  # the broken are tried anew
-    row = _study.row_path(out, files[0], 0)  # a volume that failed though its file can be read
+    row = row_path(out, files[0], 0)  # a volume that failed though its file can be read
     row.write_text(json.dumps({**json.loads(row.read_text()), "state": "plugin"}))
     again = _study.batch(found, SETTINGS, out, client, lambda: None)
     assert json.loads(row.read_text())["state"] == "ok" and [r["state"] for r in again] == [r["state"] for r in rows]

@@ -92,7 +92,7 @@ USERS = {  # what users elsewhere have; "": the surface is where the plain file'
     **dict.fromkeys(("the_enhanced.dcm", "the_enhanced_t.dcm", "the_folder_enh", "the_folder_time", "the_um.nrrd"), ""),
     **dict.fromkeys(("the_outside_16.mha", "the_db_nan.mha", "the_db_999.mha", "the_supra.mhd", "the_rgb.nrrd"), ""),
     **dict.fromkeys(("the_nospace.mha", "the_nospace.nrrd"), "does not say how far apart its voxels are"),
-    "the_plus_reconstructed.mha": "The scan narrows towards -z",
+    "the_plus_reconstructed.mha": "-z is assumed",
 }
 NEAR_MM = 1.5  # other levels, and the scenes of sequences are not the very same volume
 BITS = ("plain.mha", "beat.mhd", "probe.vol", "the_supra.mhd", "db_nan.mha")  # whose maps the console writes
@@ -232,7 +232,7 @@ def test_every_file_at_every_door(name, folder, scene, plain_mm, on_page, batche
     if image is not None and says_spacing(image) and name != "probe.vol":
         doors["serve"] = served(image)
     if not name.startswith(("deep", "probe")):
-        truth = path if name in USERS else tmp_path / f"truth{path.suffix}"
+        truth = path if name in USERS else tmp_path / ("truth" + "".join(path.suffixes))
         if truth != path:
             make(truth, scene.truth[::2])
         shape = image.GetSize()[1::-1] if image else scene.label.shape
