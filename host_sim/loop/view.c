@@ -70,8 +70,8 @@ void hs_maps_crop(hs_maps *maps, const hs_source *source) {
 /* The slice of the first voxel on a ray that was scanned; as many as there are: none was. */
 static uint32_t first_scanned(const hs_maps *maps, const hs_volume *volume, const hs_box_map *map,
                               uint32_t ray) {
-    double place[3] = {(ray % maps->width + 0.5) / maps->width,
-                       ((double)(ray / maps->width) + 0.5) / maps->height};
+    const size_t x = ray % maps->width, y = ray / maps->width;
+    double place[3] = {((double)x + 0.5) / maps->width, ((double)y + 0.5) / maps->height};
     uint32_t at[3], slice = 0;
     for (; slice < maps->slices; slice++) {
         place[2] = (slice + 0.5) / maps->slices;
