@@ -66,7 +66,7 @@ def places(tree: Path) -> list[tuple[Path, int, int, str, str]]:
     # Comments, texts and directives become blanks of the same length.
     text_of_c = r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|^[ \t]*#(?:[^\n]*\\\n)*[^\n]*|^static_assert[^;]*;'
     text_of_python = r'""".*?"""|"(?:\\.|[^"\\\n])*"|#[^\n]*'
-    for top in ("src", "cl", "host_sim", "tools", "lab", "python/smartvis"):
+    for top in ("src", "cl", "base", "sdk", "host_sim", "lab", "python/smartvis"):
         for path in sorted(p for p in (tree / top).rglob("*") if p.suffix in {".c", ".cl", ".clh", ".py"}):
             if re.search(r"lab/bench|windows|_pe\.c$", str(path)):  # these measure, or are of another system
                 continue
