@@ -120,7 +120,9 @@ def _source(file: Path, settings: Settings, state: str) -> Source:
 def _check_plugin(settings: Settings, state: str) -> None:
     """LoadError: a worker that lives on from another batch has the library as it was then."""
     path = settings.load().path
-    if _worker_plugins.setdefault(path, plugin_state(path)) != state:
+    if path not in _worker_plugins:
+        _worker_plugins[path] = plugin_state(path)
+    if _worker_plugins[path] != state:
         raise LoadError(f"{path}: it has changed since this worker loaded it; start the workers anew")
 
 
