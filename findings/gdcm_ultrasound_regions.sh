@@ -5,14 +5,15 @@
 # Found: GDCM takes the first region's Physical Delta X and Y as they are: 0.2 and 0.5 mm become 0.02 and 0.05. It looks at no unit,
 # so a spectral Doppler's seconds and cm/s, if its region comes first, are lengths, too. SimpleITK and VTK say 1.0 for all.
 # Who measures must read the regions: the units (0018,6024), (0018,6026), and which region a pixel lies in.
-# shellcheck source=findings/common.sh
-. "$(dirname "$0")/common.sh"
+work=$(mktemp -d)
+# shellcheck source=findings/common.bash
+. "$(dirname "$0")/common.bash"
 packages pydicom==3.0.2 python-gdcm==3.2.6 SimpleITK==2.5.7 vtk==9.7.2 numpy==2.4.6
 seen 'tissue                0.2 x 0.5 mm by the standard: GDCM 0.02 x 0.05, SimpleITK 1.0 x 1.0, VTK 1.0 x 1.0
 Doppler, then tissue  0.2 x 0.5 mm by the standard: GDCM 0.004 x 3.5, SimpleITK 1.0 x 1.0, VTK 1.0 x 1.0' << 'PYTHON'
 import gdcm, SimpleITK, vtk
-from pydicom.dataset import Dataset, FileMetaDataset
-from pydicom.uid import ExplicitVRLittleEndian, UltrasoundImageStorage, generate_uid
+from pydicom.dataset import Dataset
+from ultrasound_picture import ultrasound_picture
 
 def region(kind, top, bottom, delta, units):
     r = Dataset()
@@ -28,16 +29,7 @@ CM, SECONDS, CM_A_SECOND = 3, 4, 7
 tissue = region(1, 0, 19, (0.02, 0.05), (CM, CM))
 doppler = region(3, 20, 39, (0.004, 3.5), (SECONDS, CM_A_SECOND))
 for name, regions in (("tissue", [tissue]), ("Doppler, then tissue", [doppler, tissue])):
-    d = Dataset()
-    d.file_meta = FileMetaDataset()
-    d.file_meta.TransferSyntaxUID = ExplicitVRLittleEndian
-    d.SOPClassUID = d.file_meta.MediaStorageSOPClassUID = UltrasoundImageStorage
-    d.SOPInstanceUID = d.file_meta.MediaStorageSOPInstanceUID = generate_uid()
-    d.StudyInstanceUID, d.SeriesInstanceUID = generate_uid(), generate_uid()
-    d.Modality, d.PatientName, d.PatientID = "US", "Phantom", "1"
-    d.Rows, d.Columns, d.SamplesPerPixel, d.PhotometricInterpretation = 40, 60, 1, "MONOCHROME2"
-    d.BitsAllocated = d.BitsStored = 8
-    d.HighBit, d.PixelRepresentation, d.PixelData = 7, 0, bytes(40 * 60)
+    d = ultrasound_picture(40, 60, bytes(40 * 60))
     d.SequenceOfUltrasoundRegions = regions
     d.save_as("regions.dcm", enforce_file_format=True)
     reader = gdcm.ImageReader()

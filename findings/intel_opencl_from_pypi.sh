@@ -3,8 +3,9 @@
 # Guess: what PyPI gives for intel-opencl-rt is an OpenCL platform once its .icd file is named.
 # Found: its library needs libimf, libsvml, libirng and libintlc, which no dependency brings. The loader leaves the platform out and
 # tells nobody: no platform is found. With the package intel-cmplr-lib-rt beside it there is one.
-# shellcheck source=findings/common.sh
-. "$(dirname "$0")/common.sh"
+work=$(mktemp -d)
+# shellcheck source=findings/common.bash
+. "$(dirname "$0")/common.bash"
 packages pyopencl==2026.1.4 intel-opencl-rt==2026.2.0 numpy==2.4.6
 mkdir vendors
 echo "$work/venv/lib/libintelocl.so" > vendors/intel.icd

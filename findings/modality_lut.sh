@@ -3,26 +3,18 @@
 # Guess: SimpleITK applies a Modality LUT Sequence as it applies Rescale Slope and Intercept, or refuses the file.
 # Found: the slope is applied, the table is left out without a word: stored values come as if they were the modality's. pydicom applies
 # neither unless asked, and then both (apply_modality_lut).
-# shellcheck source=findings/common.sh
-. "$(dirname "$0")/common.sh"
+work=$(mktemp -d)
+# shellcheck source=findings/common.bash
+. "$(dirname "$0")/common.bash"
 packages pydicom==3.0.2 SimpleITK==2.5.7 numpy==2.4.6
 seen 'slope 0.5: SimpleITK [0.0, 0.5, 1.0], apply_modality_lut [0.0, 0.5, 1.0]
 table x10: SimpleITK [0.0, 1.0, 2.0], apply_modality_lut [0.0, 10.0, 20.0]' << 'PYTHON'
 import numpy as np, pydicom, SimpleITK
-from pydicom.dataset import Dataset, FileMetaDataset
+from pydicom.dataset import Dataset
 from pydicom.pixels import apply_modality_lut
-from pydicom.uid import ExplicitVRLittleEndian, UltrasoundImageStorage, generate_uid
+from ultrasound_picture import ultrasound_picture
 for name in ("slope 0.5", "table x10"):
-    d = Dataset()
-    d.file_meta = FileMetaDataset()
-    d.file_meta.TransferSyntaxUID = ExplicitVRLittleEndian
-    d.SOPClassUID = d.file_meta.MediaStorageSOPClassUID = UltrasoundImageStorage
-    d.SOPInstanceUID = d.file_meta.MediaStorageSOPInstanceUID = generate_uid()
-    d.StudyInstanceUID, d.SeriesInstanceUID = generate_uid(), generate_uid()
-    d.Modality, d.PatientName, d.PatientID = "US", "Phantom", "1"
-    d.Rows, d.Columns, d.SamplesPerPixel, d.PhotometricInterpretation = 12, 20, 1, "MONOCHROME2"
-    d.BitsAllocated = d.BitsStored = 8
-    d.HighBit, d.PixelRepresentation, d.PixelData = 7, 0, bytes(range(240))
+    d = ultrasound_picture(12, 20, bytes(range(240)))
     if name == "slope 0.5":
         d.RescaleSlope, d.RescaleIntercept = "0.5", "0"
     else:

@@ -3,8 +3,9 @@
 # Guess: ITK turns the spacing of a NIfTI file in micrometres into mm, and forgets the offset; VTK does likewise.
 # Found: ITK turns both, rightly. VTK and nibabel hand on the file's own numbers, so that two readers of one file lie a factor of 1000
 # apart without a word. nibabel's users can ask header.get_xyzt_units(); of VTK's NIfTI header it is GetXYZTUnits().
-# shellcheck source=findings/common.sh
-. "$(dirname "$0")/common.sh"
+work=$(mktemp -d)
+# shellcheck source=findings/common.bash
+. "$(dirname "$0")/common.bash"
 packages SimpleITK==2.5.7 nibabel==5.4.2 vtk==9.7.2 numpy==2.4.6
 seen 'SimpleITK 0.5 0.5 0.5, first voxel at 30.0
 nibabel   500.0 500.0 500.0, first voxel at 30000.0

@@ -4,28 +4,21 @@
 # same pixels, or refuses it.
 # Found: compress() takes the bytes for interleaved ones, so that a pixel holds three neighbours of one plane, and says nothing; GDCM
 # reads the same wrong pixels, so the file is at fault and not a reader. With arr=dataset.pixel_array the pixels stay.
-# shellcheck source=findings/common.sh
-. "$(dirname "$0")/common.sh"
+work=$(mktemp -d)
+# shellcheck source=findings/common.bash
+. "$(dirname "$0")/common.bash"
 packages pydicom==3.0.2 SimpleITK==2.5.7 numpy==2.4.6
 seen 'before               [[0, 255, 0], [1, 254, 0]]
 compress(), pydicom  [[0, 1, 2], [3, 4, 5]]
 compress(), GDCM     [[0, 1, 2], [3, 4, 5]]
 compress(arr=...)    [[0, 255, 0], [1, 254, 0]]' << 'PYTHON'
 import numpy as np, pydicom, SimpleITK
-from pydicom.dataset import Dataset, FileMetaDataset
-from pydicom.uid import ExplicitVRLittleEndian, RLELossless, UltrasoundImageStorage, generate_uid
+from pydicom.uid import RLELossless
+from ultrasound_picture import ultrasound_picture
 grey = np.arange(240, dtype=np.uint8).reshape(12, 20)
 pixels = np.stack([grey, 255 - grey, grey // 2], -1)
-d = Dataset()
-d.file_meta = FileMetaDataset()
-d.file_meta.TransferSyntaxUID = ExplicitVRLittleEndian
-d.SOPClassUID = d.file_meta.MediaStorageSOPClassUID = UltrasoundImageStorage
-d.SOPInstanceUID = d.file_meta.MediaStorageSOPInstanceUID = generate_uid()
-d.StudyInstanceUID, d.SeriesInstanceUID = generate_uid(), generate_uid()
-d.Modality, d.PatientName, d.PatientID = "US", "Phantom", "1"
-d.Rows, d.Columns, d.SamplesPerPixel, d.PlanarConfiguration = 12, 20, 3, 1
-d.PhotometricInterpretation, d.BitsAllocated, d.BitsStored, d.HighBit, d.PixelRepresentation = "RGB", 8, 8, 7, 0
-d.PixelData = pixels.transpose(2, 0, 1).tobytes()
+d = ultrasound_picture(12, 20, pixels.transpose(2, 0, 1).tobytes(), samples=3, kind="RGB")
+d.PlanarConfiguration = 1
 d.save_as("planes.dcm", enforce_file_format=True)
 first = lambda array: np.asarray(array).reshape(12, 20, 3)[0, :2].tolist()
 print("before              ", first(pydicom.dcmread("planes.dcm").pixel_array))

@@ -4,8 +4,9 @@
 # does, [100 50], and gives x, z and the origin's depth z0.
 # Found: a list or a tuple is a TypeError, though the annotation names list; a NumPy array works. There are two results, not three, so
 # the apex of the fan, which scan conversion needs, has to be computed from the probe's pitch and radius.
-# shellcheck source=findings/common.sh
-. "$(dirname "$0")/common.sh"
+work=$(mktemp -d)
+# shellcheck source=findings/common.bash
+. "$(dirname "$0")/common.bash"
 packages pymust==0.1.9 numpy==2.4.6
 seen "list   TypeError: '>' not supported between instances of 'list' and 'int'
 tuple  TypeError: '>' not supported between instances of 'tuple' and 'int'

@@ -4,8 +4,9 @@
 # writes) are the same to whoever reads "kinds"; a reader that has no sequences gives four dimensions.
 # Found: slicerio finds the frames in the last axis alone: of a list in front it counts one frame, and takes the list for the first axis
 # of space. SimpleITK gives three dimensions and a vector a voxel for both: what looks like colour is time.
-# shellcheck source=findings/common.sh
-. "$(dirname "$0")/common.sh"
+work=$(mktemp -d)
+# shellcheck source=findings/common.bash
+. "$(dirname "$0")/common.bash"
 packages slicerio==1.4.0 pynrrd==1.1.3 SimpleITK==2.5.7 numpy==2.4.6
 seen 'list last:  slicerio 3 frames of (4, 5, 6), SimpleITK (4, 5, 6) with 3 components
 list first: slicerio 1 frames of (3, 4, 5, 6), SimpleITK (4, 5, 6) with 3 components' << 'PYTHON'

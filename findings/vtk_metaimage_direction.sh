@@ -3,8 +3,9 @@
 # Guess: VTK places a MetaImage whose axes are turned where ITK, which wrote it, has it.
 # Found: vtkMetaImageReader takes the lines of TransformMatrix, each an axis' direction, for the matrix' rows. The image is turned the
 # other way: voxel (2, 0, 0), 3 mm along the first axis of a quarter turn, lies 6 mm from its place.
-# shellcheck source=findings/common.sh
-. "$(dirname "$0")/common.sh"
+work=$(mktemp -d)
+# shellcheck source=findings/common.bash
+. "$(dirname "$0")/common.bash"
 packages SimpleITK==2.5.7 vtk==9.7.2 numpy==2.4.6
 seen 'ITK  (1.0, 5.0, 3.0)
 VTK  (1.0, -1.0, 3.0)' << 'PYTHON'

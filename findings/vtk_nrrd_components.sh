@@ -3,8 +3,9 @@
 # Guess: VTK reads a small NRRD volume, of three axes that are all called "domain", as a volume.
 # Found: up to nine samples on the first axis are taken for the components of a voxel, whatever "kinds" says: a volume of 9 x 8 x 7
 # becomes a picture of 8 x 7. From ten on it is a volume. A crop of a scan for a test, or a slab of few columns, meets that.
-# shellcheck source=findings/common.sh
-. "$(dirname "$0")/common.sh"
+work=$(mktemp -d)
+# shellcheck source=findings/common.bash
+. "$(dirname "$0")/common.bash"
 packages SimpleITK==2.5.7 vtk==9.7.2 numpy==2.4.6
 seen 'kinds: domain domain domain
 9 x 8 x 7 is read as (8, 7, 1), 9 components

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-# Read by every script here: packages into a folder of its own, and what was seen against what is seen now.
+# Read by every script here, which names its own folder `work`: that becomes the place, and is gone at the end. Packages of pinned
+# versions, and what was seen against what is seen now.
 set -eu
-work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-cd "$work"
+PYTHONPATH=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd) # ultrasound_picture.py
+export PYTHONPATH PYTHONDONTWRITEBYTECODE=1
+cd "${work:?}"
 
 # packages NAME==VERSION...: from PyPI, into a virtual environment that goes with the folder. What they need comes as it is now.
 packages() {
