@@ -22,7 +22,9 @@ static bool choose_way(rp_hand *h, const rp_options *o, const rec_item *item, hs
     if (!hs_plugin_choose_handover(d, h->plugin->path, wanted, o->carrier != 0 || o->own_queue, &h->way, err))
         return false;
     hs_guarded_route(h->plugin, h->way);
-    return hs_is_guarded(h->plugin) || h->way.own_queue || h->cl.queue || hs_cl_open_bare(&h->cl, err);
+    if (hs_is_guarded(h->plugin) || h->way.own_queue) return true;
+    if (!h->cl.queue && !hs_cl_open_bare(&h->cl, err)) return false;
+    return h->way.carrier != SV_CARRIER_IMAGE || hs_cl_check_images(&h->cl, err);
 }
 
 static bool make_memory(rp_hand *h, const rp_options *o, hs_error *err) {
@@ -134,7 +136,6 @@ bool rp_hand_slab(rp_hand *h, const rec_item *item, sv_slab *slab, hs_error *err
                                 .image_width = (size_t)f->tiles_x * f->tile_w,
                                 .image_height = (size_t)(texture_bytes(f, slab->slice_count) / f->row_pitch),
                                 .image_row_pitch = f->row_pitch};
-    if (!hs_cl_check_images(&h->cl, err)) return false;
     cl_int code;
     const cl_mem made =
         clCreateImage(f->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, &pixel, &desc, texture, &code);
