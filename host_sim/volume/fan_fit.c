@@ -120,7 +120,7 @@ void hs_volume_find_beams(hs_volume *v) {
         take(v, face[0], &best, &b);
     }
     if (outlined && !v->spacing_unsaid) {
-        if (!hs_fan_find_scale(v, &b, face, best.share, room, c->fits)) memset(c->fits, 0, sizeof c->fits);
+        (void)hs_fan_find_scale(v, &b, face, best.share, room, c->fits);
         c->fits_none = stated && !held;
     }
     if (c->kind != HS_BEAMS_FAN) hs_course_find_noise(v);

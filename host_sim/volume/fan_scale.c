@@ -14,8 +14,7 @@
 static const double better = 0.05; /* of the border: as much more must lie on the fan, for the unknown more */
 static const double enough = 0.85; /* of the border */
 static const double changed = 1.1; /* a smaller factor bends a fan, and leaves it one */
-static const double hardly = 200.0;  /* mm: of a longer radius the lines hardly part, and bend by chance */
-static const double farthest = 0.59; /* of a logarithm: how far a trial may go, hs_fan_from */
+static const double hardly = 200.0; /* mm: of a longer radius the lines hardly part, and bend by chance */
 static const double hopeless =
     0.25; /* cost of a trial: most of the border is near a fan that will hold enough */
 static const double first[] = {0.5, 2.0};
@@ -44,23 +43,27 @@ static void try_factor(search *s, const hs_volume *v, const border *b, const dou
         double axes[9];
         hs_probe_axes(v, s->faces[n], axes);
         const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, axis, hopeless);
-        if (fabs(f.x[SCALE]) > farthest) continue; /* it has not come to rest */
-        if (f.share <= s->share || f.x[FACE] > hardly || !hs_fan_holds(&f, &s->scaled, axes)) continue;
+        if (!hs_fan_scale_rests(&f) || f.share <= s->share || f.x[FACE] > hardly) continue;
+        if (!hs_fan_holds(&f, &s->scaled, axes)) continue;
         s->share = f.share;
         s->found = true;
         for (int k = 0; k < 3; k++) s->factor[k] = factor[k] * f.factor[k];
     }
 }
 
+/* The largest, or its reciprocal where lengths become shorter. */
+static double most_change(const double factor[3]) {
+    double most = 1.0;
+    for (int k = 0; k < 3; k++) most = fmax(most, fmax(factor[k], 1.0 / factor[k]));
+    return most;
+}
+
 static void try_orders(search *s, const hs_volume *v, const border *b) {
     static const int orders[5][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
     for (int n = 0; n < 5; n++) {
-        double factor[3], most = 1.0;
-        for (int k = 0; k < 3; k++) {
-            factor[k] = v->spacing[orders[n][k]] / v->spacing[k];
-            most = fmax(most, fmax(factor[k], 1.0 / factor[k]));
-        }
-        if (most > changed) try_factor(s, v, b, factor, -1);
+        double factor[3];
+        for (int k = 0; k < 3; k++) factor[k] = v->spacing[orders[n][k]] / v->spacing[k];
+        if (most_change(factor) > changed) try_factor(s, v, b, factor, -1);
     }
 }
 
@@ -75,23 +78,20 @@ static void try_axes(search *s, const hs_volume *v, const border *b) {
 
 bool hs_fan_find_scale(const hs_volume *v, const border *b, const hs_probe faces[2], double share,
                        double *room, double spacing[3]) {
+    if (share > enough) return false;
     search s = {.points = malloc((size_t)HS_BORDER_MOST * sizeof *s.points),
+                .room = room,
                 .faces = faces,
                 .share = fmax(enough, share + better),
                 .factor = {1.0, 1.0, 1.0}};
-    s.room = room;
-    if (!s.points || share > enough) {
-        free(s.points);
-        return false;
-    }
+    if (!s.points) return false;
     for (int turned = 0; turned < 2 && !s.found; turned++) {
         s.turned = turned == 1;
         try_orders(&s, v, b);
         try_axes(&s, v, b);
     }
     free(s.points);
+    if (!s.found || most_change(s.factor) <= changed) return false;
     for (int k = 0; k < 3; k++) spacing[k] = v->spacing[k] * s.factor[k];
-    double most = 1.0;
-    for (int k = 0; k < 3; k++) most = fmax(most, fmax(s.factor[k], 1.0 / s.factor[k]));
-    return s.found && most > changed;
+    return true;
 }

@@ -18,6 +18,7 @@
 enum { FEW = 300 }; /* points of a first trial */
 
 static const double most_scale = 0.6;              /* of a logarithm, from where a trial begins */
+static const double resting = 0.59;                /* a scale that went farther was held up on its way */
 static const double first_radii[] = {30.0, 120.0}; /* mm, of lines and sweep at the face: trials begin here */
 static const double enough = 0.75;                 /* of the border lies on a fan */
 static const double near_by = 4.0;                 /* times as far as close */
@@ -287,6 +288,10 @@ fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned
     if (best.cost < hopeless) improve(&best, b, 1 + (b->count - 1) / (5 * FEW), 60, 1.0);
     measure(&best, b, room);
     return best;
+}
+
+bool hs_fan_scale_rests(const fan *f) {
+    return !(fabs(f->x[SCALE]) > resting);
 }
 
 bool hs_fan_holds(const fan *f, const border *b, const double axes[9]) {

@@ -48,11 +48,14 @@ void hs_border_find(const hs_volume *volume, border *b, double (*points)[3]);
 fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, int scaled,
                 double hopeless);
 
+/* The scale that was sought has come to rest within the reach of a trial. */
+bool hs_fan_scale_rests(const fan *f);
+
 /* It narrows towards the face it was begun from, and enough of what shows its shape is on it. */
 bool hs_fan_holds(const fan *f, const border *b, const double axes[9]);
 
 /* The spacing with which clearly more of the border lies on a fan than `share`, which is that of the best
  * with the volume's own: one axis has another, or they stand in another order. Only their ratios are told.
- * `faces`: from which it may run. False: there is none, or `share` is enough. */
+ * `faces`: from which it may run. False: there is none, or `share` is enough; `spacing` is untouched. */
 bool hs_fan_find_scale(const hs_volume *volume, const border *b, const hs_probe faces[2], double share,
                        double *room, double spacing[3]);
