@@ -128,7 +128,7 @@ static inline int sv_devices_cannot_compile_(sv_devices *d, cl_platform_id platf
 static inline uint32_t sv_devices_find(sv_devices *out) {
     static const cl_device_type order[] = {CL_DEVICE_TYPE_GPU, CL_DEVICE_TYPE_CPU, CL_DEVICE_TYPE_ALL};
     cl_platform_id platforms[SV_DEVICES_PLATFORMS];
-    cl_uint count = 0;
+    cl_uint count = 0, useful = 0;
     cl_int code = CL_SUCCESS;
     sva_handlers host;
     const char *wish = getenv("SMARTVIS_DEVICE");
@@ -144,10 +144,10 @@ static inline uint32_t sv_devices_find(sv_devices *out) {
     if (code != CL_SUCCESS) count = 0;
     if (count > SV_DEVICES_PLATFORMS) count = SV_DEVICES_PLATFORMS;
     sva_handlers_keep(&host);
+    for (cl_uint i = 0; i < count; i++)
+        if (!sv_devices_cannot_compile_(out, platforms[i])) platforms[useful++] = platforms[i];
     for (int type = cpu; type < (gpu ? 1 : cpu ? 2 : 3); type++)
-        for (cl_uint i = 0; i < count; i++)
-            if (!sv_devices_cannot_compile_(out, platforms[i]))
-                code = sv_devices_add_(out, platforms[i], order[type]);
+        for (cl_uint i = 0; i < useful; i++) code = sv_devices_add_(out, platforms[i], order[type]);
     sva_handlers_put_back(&host);
     if (out->count > 0) out->why[0] = '\0';
     if (out->count == 0 && !out->why[0]) sv_devices_tell_(out, wish, count, code);
