@@ -82,8 +82,10 @@ static void part_valleys(const sv_wall_layout *l, __global const uchar *levels, 
     const uint from = max(end - min(end, l->full_distance), first + l->skin);
     uint before = from < end ? largest_sum(l, levels, first, from, at) : 0;
     for (uint z = from; z < end; z++) {
-        const uint sum = sum_around(l, levels, z, at), behind = largest_sum(l, levels, z + 1, end, at);
-        if (sum * SV_WALL_VALLEY_ONE < min(before, behind) * l->valley) relative[z * pitch] = SV_WALL_TISSUE;
+        const uint sum = sum_around(l, levels, z, at), low = sum * SV_WALL_VALLEY_ONE;
+        /* What lies behind costs most, and few layers are that much darker than what lies before. */
+        if (low < before * l->valley && low < largest_sum(l, levels, z + 1, end, at) * l->valley)
+            relative[z * pitch] = SV_WALL_TISSUE;
         before = max(before, sum);
     }
 }
