@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * host_state PLUGIN.so [trap]: a plugin that opens its own device leaves the process as its host had it.
- * Every signal has a handler of the host's before the runtime starts, and has it after an activation and a
- * frame. With "trap" floating-point exceptions trap, as in hosts of Delphi or of Fortran with its checks: the
- * frame is the same as without, and they still trap. A program, since a runtime takes signals once in a
- * process.
+ * kept_state PLUGIN.so [trap [queue]]: a plugin that opens its own device leaves the process as its host had
+ * it. Every signal has a handler of the host's before the runtime starts, and has it after an activation and
+ * a frame. With "trap" floating-point exceptions trap, as in hosts of Delphi or of Fortran with its checks:
+ * the frame is the same as without, and they still trap. With "queue" the host opens the device, and takes
+ * what the runtime does to signals upon itself. A program, since a runtime takes signals once in a process.
  */
 #include "smartvis/lookup.h"
 #include "stage/stage.h"
@@ -26,7 +26,7 @@ static volatile sig_atomic_t heard;
 static void expect(bool holds, const char *what) {
     if (holds) return;
     failures++;
-    (void)fprintf(stderr, "host_state: FAIL: %s\n", what);
+    (void)fprintf(stderr, "kept_state: FAIL: %s\n", what);
 }
 
 static void hear(int number) {
@@ -65,7 +65,7 @@ static void make_volume(void) {
 }
 
 static void failed(void *data, const char *what, cl_int code) {
-    (void)fprintf(stderr, "host_state: %s: %d\n", what, (int)code);
+    (void)fprintf(stderr, "kept_state: %s: %d\n", what, (int)code);
     exit(1);
 }
 
@@ -116,7 +116,7 @@ int main(int argc, char **argv) {
     if (queue) open_own();
     void *library = argc > 1 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
     const sv_entry *entry = library ? dlsym(library, SV_ENTRY_SYMBOL) : NULL;
-    const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "host_state", "1", NULL, NULL};
+    const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "kept_state", "1", NULL, NULL};
     const sv_plugin *p = NULL;
     if (!entry || entry->create(&host, entry->descriptor(0)->id, &p) != SV_OK) return 2;
     const double sum = frame(p);
