@@ -80,11 +80,11 @@ bool hs_fan_find_scale(const hs_volume *v, const border *b, const hs_probe faces
                        double *room, double spacing[3]) {
     if (share > enough) return false;
     search s = {.points = malloc((size_t)HS_BORDER_MOST * sizeof *s.points),
-                .room = room,
                 .faces = faces,
                 .share = fmax(enough, share + better),
                 .factor = {1.0, 1.0, 1.0}};
     if (!s.points) return false;
+    s.room = room;
     for (int turned = 0; turned < 2 && !s.found; turned++) {
         s.turned = turned == 1;
         try_orders(&s, v, b);
