@@ -8,7 +8,7 @@
 
 static const double clear = 0.95;    /* and as much if it is not turned */
 static const double followed = 0.92; /* and this share of what lies near: the rest is cut off */
-static const double hopeless = 0.6;  /* cost of a trial */
+static const double hopeless = 0.4;  /* cost of a trial */
 static const double whole = 0.93;    /* of the border of a scan that nothing was cut from */
 
 /* The radius at which the middle line enters the volume. */

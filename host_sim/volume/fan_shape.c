@@ -281,7 +281,7 @@ fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned
         begin(&f, b, every, scaled, begun, turned ? 60.0 : first_radii[n / 2],
               turned ? 60.0 : first_radii[n % 2]);
         improve(&f, b, every, 8, 5.0);
-        improve(&f, b, every, 6, 2.0);
+        if (f.cost < hopeless) improve(&f, b, every, 6, 2.0);
         if (f.cost < best.cost) best = f;
     }
     if (best.cost > 1.0) return best;

@@ -43,8 +43,8 @@ typedef struct {
 void hs_border_find(const hs_volume *volume, border *b, double (*points)[3]);
 
 /* The best fan from a face. `turned`: of a scan whose axis is not the volume's, 28 degrees to either side.
- * `scaled`: the axis whose scale is sought, too, or -1. `hopeless`: a first trial whose cost is no less is
- * not brought to rest, which takes most of the time. `room`: HS_BORDER_MOST numbers. */
+ * `scaled`: the axis whose scale is sought, too, or -1. `hopeless`: what begins at such a cost or ends at it
+ * is not brought to rest, which takes most of the time. `room`: HS_BORDER_MOST numbers. */
 fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, int scaled,
                 double hopeless);
 
