@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # test_validate_wrong.sh SOURCE_FOLDER BUILD_FOLDER: sv_validate fails on every plugin of the family (tests/sdk/wrong/), by the check
 # that the list names for it, and passes the same sources without a fault. It ends by itself every time. WRONG_VALIDATOR,
-# WRONG_ENDING and WRONG_LEFT_OUT are another validator, how its plugins' names end, and plugins that are not tried.
+# WRONG_ENDING and WRONG_LEFT_OUT are another validator, how its plugins' names end, and plugins that are not tried; with WRONG_FEW
+# one plugin is tried for each check.
 set -u
 source_folder=$1
 build=$2
@@ -44,6 +45,7 @@ $validate --list | awk '/^[a-z]/ { print $1 }' | sort > "$work/checks"
 unbroken=$(comm -23 "$work/checks" <(cut -d ' ' -f 3 "$work/family" | sort))
 [ -s "$work/checks" ] && [ -z "$unbroken" ] || { echo "no plugin of the family breaks $unbroken, of $(wc -l < "$work/checks") checks"; exit 1; }
 [ -z "${WRONG_LEFT_OUT:-}" ] || sed -i -E "/^($WRONG_LEFT_OUT) /d" "$work/family"
+[ -z "${WRONG_FEW:-}" ] || { awk '!seen[$3]++' "$work/family" > "$work/few"; mv "$work/few" "$work/family"; }
 # The sanitizer keeps the heap for itself, so what these do there is not seen.
 [ -z "${SV_SANITIZE:-}" ] || sed -i -E '/^(leaks_memory|frame_allocates|ignores_no_memory) /d' "$work/family"
 { grep -E '^(hang|memory)' "$work/family"; grep -vE '^(hang|memory)' "$work/family"; } |
