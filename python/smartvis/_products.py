@@ -20,8 +20,19 @@ from ._result import Result, smallest
 from ._seen import Levels
 from ._volume import given, to_uint8
 
-PRODUCTS = ("clipped", "depth", "mesh", "look")
+PRODUCTS = ("clipped", "depth", "mesh", "look")  #: what is written unless somebody says
+WRITABLE = (*PRODUCTS, "mask")
 _WIDEST = 4  # times its height, of a panel
+
+
+def image_of(image: Any, result: Result, product: str) -> Any:
+    """The product that is an image, in the world of the volume; None: it is none. The mask is 1 where a voxel is
+    kept, as host_sim's."""
+    if product == "depth":
+        return depth_image(image, result)
+    if product == "mask":
+        return _images.like(image, result.mask())
+    return result.apply(image) if product == "clipped" else None
 
 
 def depth_image(image: Any, result: Result) -> Any:
@@ -101,17 +112,16 @@ def file_of(name: str, product: str, suffix: str) -> str:
 def write(
     image: Any, result: Result, prefix: Path, product: str, suffix: str = ".nrrd", level: float | None = None
 ) -> Path:
-    """One of PRODUCTS, or the "small" look, beside `prefix`. `suffix` is of volumes, `level` the mesh's."""
-    return _write(image, result, prefix.with_name(file_of(prefix.name, product, suffix)), product, level)
+    """One of WRITABLE, or the "small" look, beside `prefix`. `suffix` is of volumes, `level` the mesh's."""
+    return write_as(image, result, prefix.with_name(file_of(prefix.name, product, suffix)), product, level)
 
 
-def _write(image: Any, result: Result, path: Path, product: str, level: float | None = None) -> Path:
+def write_as(image: Any, result: Result, path: Path, product: str, level: float | None = None) -> Path:
+    """The same under this name, whose suffix says a volume's format."""
     if product == "mesh":
         return write_ply(path, *mesh(image, result, level), mm=result.spacing_known)
-    if product == "clipped":
-        return write_image(path, result.apply(image))
-    if product == "depth":
-        return write_image(path, depth_image(image, result))
+    if (made := image_of(image, result, product)) is not None:
+        return write_image(path, made)
     look = (small_look if product == "small" else quick_look)(image, result)
     return whole(path, lambda part: part.write_bytes(png_of(look)))
 
@@ -124,13 +134,13 @@ def save(result: Result, path: Path) -> list[Path]:
         known = {name: values for name, values in maps.items() if values is not None}
         return [whole(path, lambda part: _save_maps(part, known))]
     if suffix == ".png":
-        return [_write(result.source, result, path, "look")]
+        return [write_as(result.source, result, path, "look")]
     image = result.source
     if not _images.is_image(image):
         image = _images.of(given(image).voxels, result.camera.source_spacing if result.spacing_known else None)
     if not suffix:
         return [write(image, result, path / "result", product) for product in PRODUCTS]
-    return [_write(image, result, path, "mesh" if suffix == ".ply" else "clipped")]
+    return [write_as(image, result, path, "mesh" if suffix == ".ply" else "clipped")]
 
 
 def _save_maps(path: Path, maps: dict[str, NDArray[Any]]) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from ._clip import ClipperCache, clip
 from ._errors import FileError, OutputError, PluginError, SmartVisError
 from ._files import Source, stem
 from ._plugin import Plugin, load
-from ._products import PRODUCTS, depth_image, write
+from ._products import PRODUCTS, image_of, write
 from ._result import Result
 from ._words import on_command_line
 
@@ -86,42 +87,58 @@ def clip_one(
     """Reads, clips and writes one volume, with a small picture if that is wanted; of sequences in one file into
     `sequences`, which the caller closes. What is wrong with it is in the row, not an exception."""
     row = Row(str(source.path), frame)
+    prefix = out / name_of(source, frame)
+
+    def make_all(image: Any, result: Result) -> None:
+        def make(what: str) -> Path:
+            whole = sequences is not None and settings.suffix == _sequence.SUFFIX
+            made = image_of(image, result, what) if whole else None
+            if sequences is None or made is None:
+                return write(image, result, prefix, what, settings.suffix, settings.level)
+            return _append(sequences, out / f"{stem(source.path)}_{what}{settings.suffix}", made, source.count)
+
+        row.files = " ".join(make(what).name for what in settings.products)
+        row.picture = write(image, result, prefix, "small").name if small else ""
+
+    fill(row, source, settings, make_all, cache)
+    return row
+
+
+def fill(
+    row: Row, source: Source, settings: Settings, write_all: Callable[[Any, Result], object],
+    cache: ClipperCache | None = None, step: Callable[[str], object] = lambda what: None,
+) -> None:  # fmt: skip
+    """Reads and clips the row's volume, and has `write_all` write what comes of it. `step` is told "read" and "clip"
+    before each. What is wrong is in the row."""
     try:
+        step("read")
         start = time.perf_counter()
-        image = source.read(frame)
+        image = source.read(row.frame)
         if isinstance(settings.view, str) and settings.view != "probe" and not source.knows_patient:
             raise FileError(
                 f"{source.path}: does not say how it lies in the patient, so there is no view {settings.view}"
             )
         row.read_ms = 1e3 * (time.perf_counter() - start)
         row.width, row.height, row.slices = image.GetSize()
+        step("clip")
         start = time.perf_counter()
         result = settings.clip(image, cache)
         row.clip_ms = 1e3 * (time.perf_counter() - start)
         _describe(row, result)
     except MemoryError:
         row.state, row.reason = "input", f"{source.path}: no memory to clip it"
-        return row
+        return
     except (SmartVisError, ValueError) as error:
         row.state, row.reason = "plugin" if isinstance(error, PluginError) else "input", str(error)
-        return row
+        return
     try:
         start = time.perf_counter()
-        prefix = out / name_of(source, frame)
-
-        def make(what: str) -> Path:
-            if sequences is None or settings.suffix != _sequence.SUFFIX or what not in ("clipped", "depth"):
-                return write(image, result, prefix, what, settings.suffix, settings.level)
-            return _append(sequences, out / f"{stem(source.path)}_{what}{settings.suffix}", image, result, source.count)
-
-        row.files = " ".join(make(what).name for what in settings.products)
-        row.picture = write(image, result, prefix, "small").name if small else ""
+        write_all(image, result)
         row.write_ms = 1e3 * (time.perf_counter() - start)
     except MemoryError:
         row.state, row.reason = "output", f"{source.path}: no memory to write its results"
     except (FileError, ValueError) as error:
         row.state, row.reason = "output", str(error)
-    return row
 
 
 def _describe(row: Row, result: Result) -> None:
@@ -138,8 +155,7 @@ def _describe(row: Row, result: Result) -> None:
 Sequences = dict[Path, "_sequence.Writer"]  #: files that volumes are added to
 
 
-def _append(sequences: Sequences, path: Path, image: Any, result: Result, count: int) -> Path:
-    made = depth_image(image, result) if path.name.endswith(f"_depth{_sequence.SUFFIX}") else result.apply(image)
+def _append(sequences: Sequences, path: Path, made: Any, count: int) -> Path:
     try:
         sequences.setdefault(path, _sequence.Writer(path, count)).add(made)
     except OSError as error:

@@ -22,7 +22,7 @@ from ._errors import FileError, HostError, LoadError, OutputError, PluginError, 
 from ._files import SUFFIXES, Source, stem
 from ._found import find_files
 from ._plugin import Parameter, load
-from ._products import PRODUCTS
+from ._products import PRODUCTS, WRITABLE
 from ._seen import SIDES
 from ._text import plain
 from ._view import PLACES
@@ -86,7 +86,7 @@ def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
     """The options of what reads and writes files."""
     add = parser.add_argument
     add("--spacing", metavar="X,Y,Z", type=spacing_of, help="mm between voxels, where files do not say it")
-    add("--write", metavar="LIST", default=default, help=f"of {','.join(PRODUCTS)} [{default}]")
+    add("--write", metavar="LIST", default=default, help=f"of {','.join(WRITABLE)} [{default}]")
     add(
         "--format",
         metavar="SUFFIX",
@@ -121,10 +121,10 @@ def settings_of(args: argparse.Namespace) -> Settings:
             raise ValueError(f"--set: {key} is {value}, expected {p.minimum:g} to {p.maximum:g}")
     products = tuple(p for p in getattr(args, "write", "").split(",") if p)
     for product in products:
-        if product not in PRODUCTS:
-            raise ValueError(f"--write: '{product}' is none of {', '.join(PRODUCTS)}")
+        if product not in WRITABLE:
+            raise ValueError(f"--write: '{product}' is none of {', '.join(WRITABLE)}")
     if "write" in args and not products:
-        raise ValueError(f"--write: '{args.write}' names none of {', '.join(PRODUCTS)}")
+        raise ValueError(f"--write: '{args.write}' names none of {', '.join(WRITABLE)}")
     of_files = {name: getattr(args, name) for name in ("level", "spacing", "mirror") if "write" in args}
     return Settings(
         parameters={k: v if known[k].choices else float(v) for k, v in values.items()},

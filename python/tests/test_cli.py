@@ -34,19 +34,20 @@ def test_files_of_every_format_keep_their_geometry(tmp_path: Path, image, volume
     path = tmp_path / f"head{suffix}"
     sitk.WriteImage(image, str(path))
     out = tmp_path / "out"
-    arguments = ["clip", str(path), "--out", str(out), "--method", "wall", "--write", "clipped,depth"]
+    arguments = ["clip", str(path), "--out", str(out), "--method", "wall", "--write", "clipped,depth,mask"]
     assert main([*arguments, "--format", suffix]) == 0
     assert "OK" in capsys.readouterr().out
     clipped = sitk.ReadImage(str(out / f"head_clipped{suffix}"))
     expected = smartvis.clip(volume, (0.5, 0.6, 0.7), method="wall")
     assert np.array_equal(sitk.GetArrayFromImage(clipped), expected.apply(volume))
-    depth = sitk.ReadImage(str(out / f"head_depth{suffix}"))
+    depth, mask = (sitk.ReadImage(str(out / f"head_{what}{suffix}")) for what in ("depth", "mask"))
     assert np.allclose(sitk.GetArrayFromImage(depth)[0], expected.depth_mm)
-    for made, there in ((clipped, image), (depth, depth_image(image, expected))):
+    assert np.array_equal(sitk.GetArrayFromImage(mask), expected.mask())
+    for made, there in ((clipped, image), (depth, depth_image(image, expected)), (mask, image)):
         assert np.allclose(made.GetSpacing(), there.GetSpacing(), atol=1e-5)
         assert np.allclose(made.GetOrigin(), there.GetOrigin(), atol=1e-4)
         assert np.allclose(made.GetDirection(), image.GetDirection(), atol=1e-5)
-    assert sorted(p.name for p in out.iterdir()) == [f"head_clipped{suffix}", f"head_depth{suffix}"]
+    assert sorted(p.name for p in out.iterdir()) == [f"head_{what}{suffix}" for what in ("clipped", "depth", "mask")]
 
 
 def test_mesh_and_picture(tmp_path: Path, image) -> None:

@@ -26,10 +26,10 @@ def scan() -> np.ndarray:
 @pytest.mark.parametrize(("letters", "said"), [("RAI?", True), ("????", False)])
 def test_a_sequence_becomes_one_file(tmp_path: Path, scan: np.ndarray, letters: str, said: bool) -> None:
     meta(tmp_path / "beat.mha", scan, TURN, f"AnatomicalOrientation = {letters}", *MORE, frames=2)
-    command = ["clip", str(tmp_path / "beat.mha"), "--out", str(tmp_path), "--write", "clipped,depth"]
+    command = ["clip", str(tmp_path / "beat.mha"), "--out", str(tmp_path), "--write", "clipped,depth,mask"]
     assert main([*command, "--format", ".seq.nrrd"]) == 0
     assert main([*command, "--format", ".nrrd"]) == 0
-    for product in ("clipped", "depth"):
+    for product in ("clipped", "depth", "mask"):
         whole = Source(tmp_path / f"beat_{product}.seq.nrrd")
         assert whole.count == 2
         for number in range(2):
