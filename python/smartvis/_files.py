@@ -52,12 +52,16 @@ class Source:
 
     def only(self) -> Any:
         """The volume of a file that holds one; FileError: it holds several."""
+        self.check_one()
+        return self.read()
+
+    def check_one(self) -> None:
+        """FileError: it holds several volumes."""
         if self.count != 1:
             raise FileError(
                 f"{self.path}: holds {self.count} volumes: clip them with `smartvis clip`, or read one of them and "
                 "give that"
             )
-        return self.read()
 
 
 def stem(path: Path) -> str:

@@ -74,7 +74,7 @@ class _Child:
     def __init__(self) -> None:
         self._led = _led()
         self._late = False
-        program = _python()
+        program = python()
         _runtime.open_standard()
         answers, theirs = os.pipe()
         ends, life = os.pipe()  # nobody writes there: it closes when this process ends
@@ -189,7 +189,7 @@ class _Child:
         os.close(nothing)
 
 
-def _python() -> str:
+def python() -> str:
     """A Python for the reader; HostError: this process is none, and names none. A program that has Python inside is
     never started: it would be a copy of itself."""
     told = os.environ.get("SMARTVIS_PYTHON")

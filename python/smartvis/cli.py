@@ -79,7 +79,8 @@ def add_clip_options(parser: argparse.ArgumentParser) -> None:
     add("--view", metavar="PLACE", type=view_of, help=f"where the camera is, {places}, or looks, X,Y,Z [probe]")
     add("--window", metavar="LOW,HIGH", type=window_of, help="values that become 0 and 255")
     add("--scanned", choices=("auto", "zeros", "all"), default="auto", help=what)
-    add("--probe", metavar="SIDE", choices=SIDES, help=f"where it was: {sides} [as the file says]")
+    where = f"where it was: {sides}; auto: as the file says [auto]"
+    add("--probe", metavar="SIDE", choices=("auto", *SIDES), default="auto", help=where)
 
 
 def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
@@ -130,7 +131,8 @@ def settings_of(args: argparse.Namespace) -> Settings:
         parameters={k: v if known[k].choices else float(v) for k, v in values.items()},
         products=products,
         suffix=getattr(args, "format", ".nrrd"),
-        **{name: getattr(args, name) for name in ("view", "scanned", "window", "plugin", "probe")},
+        probe=None if args.probe == "auto" else args.probe,
+        **{name: getattr(args, name) for name in ("view", "scanned", "window", "plugin")},
         **of_files,
     )
 
@@ -206,12 +208,17 @@ def line_of(row: Row, sequence: bool = False, called: str = "") -> str:
     if row.state != "ok":
         return row.reason if row.reason.startswith(row.file) else f"{name}: {row.reason}"
     size = f"{row.width} x {row.height} x {row.slices}"
-    found = f"{100 * row.clipped_share:.0f} % of the rays clipped, {row.depth_mm:.1f} {row.unit} on average"
     notes = [f"  Beams: {row.beams}"]
     notes += [f"  Why: {row.why}"] if row.why else []
     notes += [f"  Try: {row.try_this}"] if row.try_this else []
     notes += [f"  {row.doubt}"] if row.doubt and row.doubt != row.why else []
-    return "\n".join([f"{name}: {size}, {row.outcome}, {found}; {row.clip_ms:.0f} ms", *notes])
+    return "\n".join([f"{name}: {size}, {found_in(row)}; {row.clip_ms:.0f} ms", *notes])
+
+
+def found_in(row: Row) -> str:
+    """What became of a volume that could be clipped, in a few words."""
+    share = f"{100 * row.clipped_share:.0f} % of the rays clipped"
+    return f"{row.outcome}, {share}, {row.depth_mm:.1f} {row.unit} on average"
 
 
 def command_serve(args: argparse.Namespace) -> int:
@@ -292,7 +299,7 @@ def value_range(p: Parameter) -> str:
     return f"{p.default:g} [{p.minimum:g} .. {p.maximum:g}] {p.unit}".rstrip()
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
     """Shows words of the command line, which a shell may have made of files' names."""
 
     def _print_message(self, message: str, file: Any = None) -> None:
@@ -301,7 +308,7 @@ class _Parser(argparse.ArgumentParser):
 
 def parser_of() -> argparse.ArgumentParser:
     """The whole command line."""
-    parser = _Parser(prog="smartvis", description="Removes what hides the fetus in 3D ultrasound.")
+    parser = Parser(prog="smartvis", description="Removes what hides the fetus in 3D ultrasound.")
     parser.add_argument("--version", action="version", version=f"smartvis {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
@@ -351,11 +358,12 @@ def fail(error: Exception) -> int:
     return INPUT if isinstance(error, (FileError, HostError)) else USAGE
 
 
-def signed(words: Sequence[str]) -> list[str]:
+def signed(words: Sequence[str], *more: str) -> list[str]:
     """Values that begin with "-" joined to their options: argparse takes "-z" and "-60,0" for options."""
+    options = ("--probe", "--view", "--window", "--level", *more)
     joined: list[str] = []
     for word in words:
-        if joined and joined[-1] in ("--probe", "--view", "--window", "--level") and word[:1] == "-" != word[1:2]:
+        if joined and joined[-1] in options and word[:1] == "-" != word[1:2]:
             joined[-1] += f"={word}"
         else:
             joined.append(word)
@@ -365,8 +373,13 @@ def signed(words: Sequence[str]) -> list[str]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command line and returns the exit code."""
     args = parser_of().parse_args(signed(sys.argv[1:] if arguments is None else arguments))
+    return guarded(lambda: int(args.run(args)))
+
+
+def guarded(command: Callable[[], int]) -> int:
+    """The exit code of a command, whatever becomes of it."""
     try:
-        code = int(args.run(args))
+        code = command()
         sys.stdout.flush()
         return code
     except (SmartVisError, ValueError, OSError) as error:
@@ -375,8 +388,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
 
 
-def run() -> NoReturn:
-    """The entry of the console script."""
+def run(command: Callable[[], int] = main) -> NoReturn:
+    """The entry of a console script."""
     _runtime.open_standard()
     for name, number in (("stdout", 1), ("stderr", 2)):
         if getattr(sys, name) is None:  # Python has none where its descriptor was closed
@@ -384,7 +397,7 @@ def run() -> NoReturn:
     os.environ["PYTHONSAFEPATH"] = "1"  # workers run nothing of the folder where the user stands
     # The plugin's errors come as exceptions, too.
     logging.getLogger("smartvis.plugin").addFilter(lambda record: record.levelno < logging.ERROR)
-    code = main()
+    code = command()
     if code == OUTPUT:  # what is left for a full disk must not fail once more at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.exit(code)
