@@ -45,7 +45,7 @@ empty :=
 INTEL_TESTS := ^check/test_($(subst $(empty) $(empty),|,$(RUNTIME_TESTS)))$$
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-runtimes test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-runtimes test-slicer test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -138,6 +138,12 @@ test-runtimes: # the same on PoCL 6 and 7, from newer Debian suites: out/runtime
 	@$(SETUP) $(PACKAGES)
 	@$(call build,build,,smartvis sv_validate every_method $(RUNTIME_TESTS:%=test_%))
 	@scripts/runtimes.sh build $(OUT)/runtimes
+
+test-slicer: # 3D Slicer's own parser, logic and nodes with the command-line module (needs PyPI)
+	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
+	@$(call build,build,,host_sim smartvis)
+	@bash tests/python/environment.sh . build python3
+	@scripts/slicer.sh build
 
 test-sanitize: setup # the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
 	@# Without SV_WERROR: gcc warns wrongly in instrumented code.
