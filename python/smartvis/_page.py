@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Sequence
 from html import escape as _escaped
 from pathlib import Path
@@ -46,18 +45,23 @@ def escape(text: str) -> str:
 
 
 def write_page(path: Path, rows: Sequence[tuple[Row, Path]]) -> Path:
-    """The rows, each with the folder of its results, as `path` in their parent folder."""
-    often = Counter(row.file for row, _ in rows)
+    """The rows, each with the folder of its results, as `path` in a folder above them."""
+    several = {row.file for row, _ in rows if row.frame > 0}
+    volumes = len({(row.file, row.frame) for row, _ in rows})
     failed = [row for row, _ in rows if row.state != "ok"]
     clipped = sum(row.outcome in ("OK", "PARTIAL") for row, _ in rows)
-    text = f"{_HEAD}<h1>{len(rows)} volume{'s' * (len(rows) != 1)}</h1>\n<p>{clipped} were clipped. In "
+    many = f", each with {len(rows) // volumes} settings" if len(rows) > volumes else ""
+    text = f"{_HEAD}<h1>{volumes} volume{'s' * (volumes != 1)}{many}</h1>\n<p>{clipped} were clipped. In "
     text += (
         f"{len(rows) - clipped - len(failed)} the plugin found nothing to clip. {len(failed)} failed. {_ABOUT}</p>\n"
     )
     if failed:
-        told = "".join(f"<li>{escape(_of_failure(row, often[row.file] > 1))}</li>\n" for row in failed)
+        reasons = dict.fromkeys(_of_failure(row, row.file in several) for row in failed)
+        told = "".join(f"<li>{escape(reason)}</li>\n" for reason in reasons)
         text += f"<h2>Failed</h2>\n<ul>\n{told}</ul>\n<h2>Done</h2>\n"
-    figures = "".join(_figure(row, folder, often[row.file] > 1) for row, folder in rows if row.state == "ok")
+    figures = "".join(
+        _figure(row, path.parent, folder, row.file in several) for row, folder in rows if row.state == "ok"
+    )
     text += f"<main>\n{figures}</main>\n</body>\n</html>\n"
     return whole(path, lambda part: part.write_text(text, encoding="utf-8", errors="backslashreplace"))
 
@@ -71,11 +75,14 @@ def _of_failure(row: Row, numbered: bool) -> str:
     return row.reason if row.reason.startswith(row.file) else f"{_name(row, numbered)}: {row.reason}"
 
 
-def _figure(row: Row, folder: Path, numbered: bool) -> str:
-    link = quote(os.fsencode(folder.name))
+def _figure(row: Row, page: Path, folder: Path, numbered: bool) -> str:
+    link = quote(os.fsencode(folder.relative_to(page)))
     name, outcome = escape(_name(row, numbered)), _OUTCOMES[row.outcome]
     found = f"; {100 * row.clipped_share:.0f} % of the rays, {row.depth_mm:.1f} {row.unit} on average"
+    if row.confidence is not None:
+        found += f"; confidence {row.confidence:.2f}"
     notes = [
+        f"Set: {row.settings}" if row.settings else "",
         f"Beams: {row.beams}",
         row.why,
         f"Try: {row.try_this}" if row.try_this else "",

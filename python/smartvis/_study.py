@@ -89,7 +89,7 @@ def task(path: str, frame: int, settings: Settings, out: str, seconds: int, made
     file, results = Path(path), Path(out)
     began = row_path(results, file, frame).with_suffix(BEGAN)
     if began.exists() and time.time() - began.stat().st_mtime >= seconds:
-        return keep(Row(path, frame, "input", f"{path}: it took longer than {seconds} s"), results)
+        return keep(settings.row(path, frame, "input", f"{path}: it took longer than {seconds} s"), results)
     forget(results, file, frame)
     whole(began, lambda part: part.write_text(""))
     faulthandler.dump_traceback_later(seconds, exit=True, file=2)
@@ -100,7 +100,7 @@ def task(path: str, frame: int, settings: Settings, out: str, seconds: int, made
         row = clip_one(source, frame, settings, folder_of(results, file), _worker_cache, True)
         names = [file_of(name_of(source, frame), what, settings.suffix) for what in (*settings.products, "small")]
     except (FileError, HostError, LoadError) as error:
-        row = Row(path, frame, "plugin" if isinstance(error, LoadError) else "input", str(error))
+        row = settings.row(path, frame, "plugin" if isinstance(error, LoadError) else "input", str(error))
     finally:
         faulthandler.cancel_dump_traceback_later()
         began.unlink(missing_ok=True)
@@ -143,7 +143,7 @@ def plan_of(files: Sequence[Path], out: Path, settings: Settings) -> Plan:
             state = state_of(file)
             count = Source(file).count
         except FileError as error:
-            plan.done.append(keep(Row(str(file), 0, "input", str(error)), out))
+            plan.done.append(keep(settings.row(str(file), 0, "input", str(error)), out))
             continue
         for frame in range(count):
             of = {"file": state} | made
@@ -215,7 +215,8 @@ def _rows(
     # Dask suspects whatever was in hand on a worker that died. Alone, only what really kills one fails again.
     for (file, frame, _), future in _done(suspects, submit, client, workers, 1):
         row = _row_of(future, row_path(out, file, frame))
-        yield row or keep(Row(str(file), frame, "plugin", f"the worker died: {_reason(future)}{memory}"), out)
+        reason = f"the worker died: {_reason(future)}{memory}"
+        yield row or keep(settings.row(str(file), frame, "plugin", reason), out)
 
 
 def _memory(client: Any) -> str:

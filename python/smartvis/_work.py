@@ -11,7 +11,7 @@ from typing import Any
 
 from . import _sequence
 from ._clip import ClipperCache, clip
-from ._errors import FileError, OutputError, PluginError, SmartVisError
+from ._errors import FileError, LoadError, OutputError, PluginError, SmartVisError
 from ._files import Source, stem
 from ._plugin import Plugin, load
 from ._products import PRODUCTS, image_of, write
@@ -39,6 +39,21 @@ class Settings:
         """The plugin that clips."""
         return load(self.plugin)
 
+    @property
+    def said(self) -> str:
+        """What is set, as on a command line."""
+        values = {key: f"{value:g}" if isinstance(value, float) else value for key, value in self.parameters.items()}
+        return " ".join(f"{key}={value}" for key, value in sorted(values.items()))
+
+    def row(self, file: str, frame: int, state: str = "ok", reason: str = "") -> Row:
+        """The beginning of a volume's row, or all that there is of one that failed."""
+        try:
+            known = self.load().parameters.get("method")
+        except LoadError:  # what failed may be that
+            known = None
+        method = self.parameters.get("method", known.default) if known else ""
+        return Row(file, frame, state, reason, method=str(method), settings=self.said)
+
     def clip(self, volume: Any, cache: ClipperCache | None = None, spacing: Any = None) -> Result:
         """Clips an image, or an array of this spacing."""
         how: dict[str, Any] = {"view": self.view, "scanned": self.scanned, "window": self.window, "probe": self.probe}
@@ -53,6 +68,8 @@ class Row:
     frame: int
     state: str = "ok"  #: ok, input, plugin or output: where it failed
     reason: str = ""
+    method: str = ""  #: set, or the plugin's default
+    settings: str = ""  #: what was set, KEY=VALUE
     outcome: str = ""
     why: str = ""  #: why nothing is clipped, and what to do
     try_this: str = ""  #: the setting that clips all the same
@@ -64,6 +81,7 @@ class Row:
     depth_mm: float = 0.0  #: mean over the pixels that clip
     unit: str = "mm"  #: of it; voxels where the file does not say its spacing
     clipped_share: float = 0.0  #: of the pixels
+    confidence: float | None = None  #: mean over the pixels that clip; None: none do, or the method has none
     points: int = 0
     read_ms: float = 0.0
     clip_ms: float = 0.0
@@ -86,7 +104,7 @@ def clip_one(
 ) -> Row:  # fmt: skip
     """Reads, clips and writes one volume, with a small picture if that is wanted; of sequences in one file into
     `sequences`, which the caller closes. What is wrong with it is in the row, not an exception."""
-    row = Row(str(source.path), frame)
+    row = settings.row(str(source.path), frame)
     prefix = out / name_of(source, frame)
 
     def make_all(image: Any, result: Result) -> None:
@@ -150,6 +168,8 @@ def _describe(row: Row, result: Result) -> None:
     clips = result.depth > 0
     row.clipped_share = float(clips.mean())
     row.depth_mm = float(result.depth_mm[clips].mean()) if clips.any() else 0.0
+    if result.confidence is not None and clips.any():
+        row.confidence = round(float(result.confidence[clips].mean()), 4)
 
 
 Sequences = dict[Path, "_sequence.Writer"]  #: files that volumes are added to

@@ -241,19 +241,27 @@ def command_serve(args: argparse.Namespace) -> int:
 
 def command_batch(args: argparse.Namespace) -> int:
     """Clips every volume of a study."""
-    from . import _study
+    from . import _study, _sweep
 
-    settings = settings_of(args)
+    pairs = [*args.set, *([f"method={args.method}"] if args.method else [])]
+    each = {name: settings_of(_with(args, pairs)) for name, pairs in _sweep.choices(pairs).items()}
     files = find_files(args.folder, Path(args.out), tell)
     if not files:
         raise FileError(f"{' '.join(args.folder)}: there is no volume; suffixes are {' '.join(SUFFIXES)}")
-    check_mirror(settings, files)
+    for settings in each.values():
+        check_mirror(settings, files)
     out = make_folder(args.out)
     with (
         _study.cluster(args.scheduler, args.workers, lambda link: tell(f"dashboard at {link}")) as client,
         progress(None, "batch") as bar,
     ):
-        rows = _study.batch(files, settings, out, client, bar.update, args.seconds, bar.reset, tell)
+
+        def batch(settings: Settings, folder: Path) -> list[dict[str, Any]]:
+            if folder != out:
+                tell(f"{folder.name}, one of {len(each)}")
+            return _study.batch(files, settings, folder, client, bar.update, args.seconds, bar.reset, tell)
+
+        rows = _sweep.sweep(each, out, batch) if len(each) > 1 else batch(each[""], out)
     failed = [row for row in rows if row["state"] != "ok"]
     of_file = Counter(row["file"] for row in failed)
     for row in failed:
@@ -263,6 +271,11 @@ def command_batch(args: argparse.Namespace) -> int:
     done = f"{len(rows) - len(failed)} volumes clipped, {len(failed)} not"
     print(plain(f"{done}; the page is {out / 'index.html'}, the table {out / 'table.csv'}"))
     return FAILED if failed else OK
+
+
+def _with(args: argparse.Namespace, pairs: list[str]) -> argparse.Namespace:
+    """The same with other values for `--set`."""
+    return argparse.Namespace(**(vars(args) | {"set": pairs, "method": None}))
 
 
 def tell(text: object) -> None:
@@ -331,7 +344,11 @@ def parser_of() -> argparse.ArgumentParser:
     add_clip_options(serve)
     serve.set_defaults(run=command_serve)
 
-    batch = commands.add_parser("batch", help="clip every volume of a study, on many workers")
+    about = (
+        "Clips every volume of a study, on many workers. --set q=0.2,0.5,0.8 does so with each value; two such lists\
+ with each pair of values, in a folder named after it."
+    )
+    batch = commands.add_parser("batch", help="clip every volume of a study, on many workers", description=about)
     batch.add_argument("folder", nargs="+", help="folders and files; folders with all below them")
     batch.add_argument("--out", default="out", help="folder for results, index.html and table.csv [out]")
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

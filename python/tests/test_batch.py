@@ -84,6 +84,44 @@ def formats_kept() -> int:
     return len(cache._instances) if cache else 0
 
 
+def test_settings_are_swept(tmp_path: Path, capsys) -> None:
+    """Each value is a batch of its own; one table and one page have all, one scan's results together."""
+    files, out = write_study(tmp_path / "study", 2), tmp_path / "out"
+    words = [
+        "batch",
+        str(tmp_path / "study"),
+        "--out",
+        str(out),
+        "--workers",
+        "1",
+        "--scanned",
+        "all",
+        "--write",
+        "depth",
+    ]
+    for wrong in ("q=0.2,2", "q=0.2,", "q=0.2,,0.5", "quality=1,2"):
+        assert main([*words, "--set", wrong]) == 2 and not out.exists()
+    assert "quality" in capsys.readouterr().err
+    assert main([*words, "--set", "q=0.8,0.2", "--set", "unsure=clip"]) == 0
+    rows = table(out)
+    swept = ["q=0.8 unsure=clip", "q=0.2 unsure=clip"]
+    assert [row["settings"] for row in rows] == swept * 2 and {row["method"] for row in rows} == {"wall"}
+    assert [Path(row["file"]) for row in rows] == [file for file in sorted(files) for _ in swept]
+    for row, q in zip(rows, (0.8, 0.2) * 2, strict=True):
+        volume = shifted(files.index(Path(row["file"])))
+        result = smartvis.clip(volume, (1, 1, 1), scanned="all", method="wall", q=q, unsure="clip")
+        written = folder_of(out / f"q={q:g}", Path(row["file"])) / row["files"]
+        assert np.array_equal(sitk.GetArrayFromImage(sitk.ReadImage(str(written)))[0], result.depth_mm)
+        assert result.confidence is not None
+        assert float(row["confidence"]) == pytest.approx(result.confidence[result.depth > 0].mean(), abs=1e-4)
+    page = (out / "index.html").read_text()
+    links = [unquote(link) for link in re.findall(r'(?:src|href)="([^"]+)"', page)]
+    assert "<h1>2 volumes, each with 2 settings</h1>" in page and page.count(f"Set: {swept[0]}<") == 2
+    assert len(links) == 9 and all((out / link).exists() for link in links)
+    before = rows_of(out / "q=0.2")
+    assert main([*words, "--set", "q=0.2,0.5", "--set", "unsure=clip"]) == 0 and rows_of(out / "q=0.2") == before
+
+
 def test_a_study_with_a_sequence_and_broken_files(tmp_path: Path, client) -> None:
     files = write_study(tmp_path / "study", 4)
     series = sitk.JoinSeries([sitk.GetImageFromArray(shifted(n)) for n in range(3)])
