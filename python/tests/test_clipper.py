@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: MIT
 """Clipper: clip() for volume after volume, with the same bits, whatever it clipped before; from several threads."""
 
+import itertools
 import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import SOURCE, host_sim, layers
+from conftest import LONG, SOURCE, host_sim, layers
 
 import smartvis
 from smartvis import Clipper, Result
 
 SHAPE = (64, 56, 56)
+CROWDED = (32, 20, 24)
 DATA = SOURCE.parent / "shared" / "data"  # where `make demo` looks for scans, too
 SCANS = [*sorted(DATA.glob("*.mha")), *sorted(p for p in DATA.glob("real/*.mha") if "_label" not in p.name)]
 
@@ -109,21 +112,64 @@ def test_values_are_set_and_reset(volume: np.ndarray) -> None:
             clipper.set(knob=1)
 
 
-def test_one_clipper_serves_many_threads(volume: np.ndarray) -> None:
-    scans = [volume, np.roll(volume, 9, axis=0), np.ascontiguousarray(volume[:, :, ::-1])]
-    expected = [smartvis.clip(scan, (1, 1, 1)) for scan in scans]
-    right: list[bool] = []
+def of_eight_threads(call: Callable[[int], Result | None], expected: list[Result], calls: int) -> int:
+    """Each thread asks for its own volume, all at once: how many of the maps came, each of its volume's bits."""
+    begin = threading.Barrier(8)
 
-    def work(clipper: Clipper, number: int) -> None:
-        right.extend(same(clipper(scans[number]), expected[number]) for _ in range(5))
+    def work(number: int) -> list[bool]:
+        begin.wait(LONG)
+        came = (call(number) for _ in range(calls))
+        return [same(result, expected[number]) for result in came if result is not None]
 
-    with Clipper(SHAPE, (1, 1, 1)) as clipper:
-        threads = [threading.Thread(target=work, args=(clipper, number)) for number in range(3)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-    assert right == [True] * 15
+    with ThreadPoolExecutor(8) as threads:
+        right = [one for ended in [threads.submit(work, number) for number in range(8)] for one in ended.result(LONG)]
+    assert all(right), f"{right.count(False)} of {len(right)} maps are another volume's"
+    return len(right)
+
+
+@pytest.fixture(scope="module")
+def crowd() -> tuple[list[np.ndarray], list[Result]]:
+    """Small volumes, and the map of each by one thread: no two are alike."""
+    fluid = [(0.1, 0.6), (0.2, 0.5), (0.2, 0.6), (0.3, 0.6), (0.2, 0.7), (0.3, 0.7), (0.4, 0.7), (0.4, 0.8)]
+    volumes = [layers(CROWDED, *ends) for ends in fluid]
+    maps = [smartvis.clip(volume, (1, 1, 1)) for volume in volumes]
+    assert sum(same(a, b) for a in maps for b in maps) == len(maps) == 8
+    return volumes, maps
+
+
+def test_a_thousand_maps_by_eight_threads(crowd: tuple[list[np.ndarray], list[Result]]) -> None:
+    """One Clipper for all, and one each; clip() has one behind it, too."""
+    volumes, maps = crowd
+    with Clipper(CROWDED, (1, 1, 1)) as one:
+        assert of_eight_threads(lambda n: one(volumes[n]), maps, 125) == 1000
+    each = [Clipper(CROWDED, (1, 1, 1)) for _ in range(8)]
+    assert of_eight_threads(lambda n: each[n](volumes[n]), maps, 125) == 1000
+    for clipper in each:
+        clipper.close()
+    assert of_eight_threads(lambda n: smartvis.clip(volumes[n], (1, 1, 1)), maps, 20) == 160
+    turned = np.roll(volumes[0], 9, axis=0)  # of another grid: the plugin is activated anew
+    volumes, maps = [*volumes[1:], turned], [*maps[1:], smartvis.clip(turned, (1, 1, 1))]
+    with Clipper(CROWDED, (1, 1, 1)) as one:
+        assert of_eight_threads(lambda n: one(volumes[n]), maps, 2) == 16
+
+
+def test_threads_are_refused_when_their_clipper_is_closed(crowd: tuple[list[np.ndarray], list[Result]]) -> None:
+    """By another thread, while they are at it; none gets a map that is not its volume's."""
+    volumes, maps = crowd
+    one, calls = Clipper(CROWDED, (1, 1, 1)), itertools.count()
+    said: list[str] = []
+
+    def call(n: int) -> Result | None:
+        if next(calls) == 100:
+            one.close()
+        try:
+            return one(volumes[n])
+        except ValueError as error:
+            said.append(str(error))
+            return None
+
+    right = of_eight_threads(call, maps, 25)
+    assert 90 <= right < 200 and len(said) == 200 - right and set(said) == {"the clipper is closed"}
 
 
 WRONG: list[tuple[Callable[[Clipper, np.ndarray], Any], str]] = [
