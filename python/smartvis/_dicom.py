@@ -17,6 +17,8 @@ from ._errors import FileError, extra_module
 
 _UNEVEN = 0.05  # of the distance between slices
 _CINE = ("1.2.840.10008.5.1.4.1.1.3", "1.2.840.10008.5.1.4.1.1.3.1")  # classes of ultrasound over time
+# Of what was made of a scan: segmentations and their like, maps of values, radiotherapy.
+_MADE_OF_ONE = ("1.2.840.10008.5.1.4.1.1.66.", "1.2.840.10008.5.1.4.1.1.30", "1.2.840.10008.5.1.4.1.1.481.")
 _CENTIMETRES = 3  # of an ultrasound region's units
 
 
@@ -88,6 +90,10 @@ def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame
     groups = data.get("PerFrameFunctionalGroupsSequence")
     if kind in _CINE:
         raise FileError(f"{path}: SOP class {kind} holds pictures over time, not a volume")
+    if kind.startswith(_MADE_OF_ONE):
+        if whole_file:
+            raise FileError(f"{path}: it is no scan, but made of one ({data['SOPClassUID'].value.name})")
+        return []  # beside the scan, in the folder of a study
     if whole_file and count == 1:
         raise FileError(f"{path}: it is one picture of a DICOM series; name the folder that holds them all")
     if data.get("PhotometricInterpretation") == "MONOCHROME1":  # which nobody below turns round

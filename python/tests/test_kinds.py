@@ -53,6 +53,7 @@ def nrrd(path: Path, voxels: np.ndarray, *lines: str, sizes: str = "96 96 48", b
 def enhanced(
     path: Path, voxels: np.ndarray, times: int = 1, measures: bool = True, missing: int = -1, grey: str = "MONOCHROME2",
     step: Sequence[float] = (0.0, 0.0, 2.5), across: Sequence[float] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
+    of_class: str = "6.2",
 ) -> None:  # fmt: skip
     """An Enhanced US Volume: spacing in the shared functional groups, place and time in those of each frame. Without a
     `step` only how thick they are."""
@@ -77,7 +78,7 @@ def enhanced(
         )
         for t, z in where
     ]
-    kind = "1.2.840.10008.5.1.4.1.1.6.2"
+    kind = f"1.2.840.10008.5.1.4.1.1.{of_class}"
     data = of(SOPClassUID=kind, SOPInstanceUID=generate_uid(), Modality="US", SeriesInstanceUID=generate_uid())
     data.SamplesPerPixel, data.PhotometricInterpretation, data.NumberOfFrames = 1, grey, len(where)
     data.Rows, data.Columns, data.BitsAllocated, data.BitsStored, data.HighBit = 96, 96, 8, 8, 7
@@ -91,6 +92,7 @@ def enhanced(
 
 def folder_of(path: Path, voxels: np.ndarray) -> None:
     path.mkdir()
+    enhanced(path / "segments.dcm", voxels, of_class="66.4")  # of a study, beside its volumes
     for number in range(2):
         enhanced(path / f"t{number}.dcm", voxels)
 
@@ -246,6 +248,8 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "beside.dcm": (lambda path, v: enhanced(path, v, step=(0.5, 0, 2.5)), 3, "lie 0.5 mm beside the one before"),
     "place.dcm": (lambda path, v: enhanced(path, v, step=(0, 0, 0)), 3, "48 pictures, lie at one place"),
     "white.dcm": (lambda path, v: enhanced(path, v, grey="MONOCHROME1"), 3, "its grey is inverted"),
+    "seg.dcm": (lambda path, v: enhanced(path, v, of_class="66.4"), 3, "but made of one (Segmentation Storage)"),
+    "map.dcm": (lambda path, v: enhanced(path, v, of_class="30"), 3, "but made of one (Parametric Map Storage)"),
     "table.dcm": (lambda path, v: by_table(path, v, 200), 3, "its modality look-up table is damaged"),
     "bzip2.nrrd": (lambda path, v: nrrd(path, v, by="bzip2"), 3, "it is compressed with bzip2"),
     "lost.nrrd": (lambda path, v: nrrd(path, v, "data file: lost.raw"), 3, "its data file cannot be opened"),
