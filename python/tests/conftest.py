@@ -36,6 +36,13 @@ def host_sim(*arguments: object) -> None:
     subprocess.run([str(BUILD / "host_sim"), *map(str, arguments)], check=True, capture_output=True, timeout=LONG)
 
 
+def host(*arguments: object) -> tuple[int, str]:
+    ended = subprocess.run(
+        [str(BUILD / "host_sim"), *map(str, arguments)], capture_output=True, text=True, timeout=LONG, check=False
+    )
+    return ended.returncode, ended.stdout + ended.stderr
+
+
 def write_dicom(folder: Path, image: sitk.Image, series: str = "1.2.3.4", step: float = 0.0) -> list[Path]:
     """A DICOM series of the image's slices in its place; file names run against their order. The rear half lies `step`
     mm further behind."""

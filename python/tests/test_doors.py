@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import BUILD, LONG, SOURCE
+from conftest import BUILD, LONG, SOURCE, host
+from makers import MM, meta, nrrd, written
 from pyigtl.messages import ImageMessage
-from test_kinds import MM, RIGHT, SAID, host, meta, nrrd, written
+from users import RIGHT, SAID
 
 import smartvis
 from smartvis._files import Source

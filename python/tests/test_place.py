@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from conftest import host_sim, layers
-from test_kinds import enhanced, host, meta, nrrd
+from conftest import host, host_sim, layers
+from makers import meta, nrrd
+from makers_dicom import enhanced
 
 import smartvis
 from smartvis import _images

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 from conftest import host_sim, layers
-from test_kinds import meta
+from makers import meta
 
 import smartvis
 from smartvis._files import Source

@@ -9,9 +9,10 @@ import numpy as np
 import pydicom
 import pytest
 import SimpleITK as sitk
-from conftest import host_sim, layers
+from conftest import host, host_sim, layers
+from makers import SPACING, written
+from makers_dicom import enhanced
 from pyigtl.messages import ImageMessage
-from test_kinds import SPACING, enhanced, host, written
 
 import smartvis
 from smartvis import _images

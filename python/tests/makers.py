@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""Files as users have them, of one scan of 96 x 96 x 48 voxels: MetaImage, NRRD, NIfTI, VTK, pictures."""
+
+import gzip
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import SimpleITK as sitk
+
+Make = Callable[[Path, np.ndarray], None]
+SPACING = (1.25, 1.25, 2.5)
+MM = "ElementSpacing = 1.25 1.25 2.5"
+
+
+def written(voxels: np.ndarray, path: Path, spacing: tuple[float, ...] = SPACING) -> None:
+    image = sitk.GetImageFromArray(voxels)
+    image.SetSpacing(spacing)
+    sitk.WriteImage(image, str(path))
+
+
+def meta(
+    path: Path, voxels: np.ndarray, *lines: str, kind: str = "MET_UCHAR", frames: int = 1, data: str = "LOCAL"
+) -> None:
+    many = f" {frames}" if frames > 1 else ""
+    head = [f"NDims = {3 + (frames > 1)}", f"DimSize = 96 96 48{many}", *lines, f"ElementType = {kind}"]
+    path.write_bytes("\n".join([*head, f"ElementDataFile = {data}", ""]).encode() + voxels.tobytes() * frames)
+
+
+def nrrd(path: Path, voxels: np.ndarray, *lines: str, sizes: str = "96 96 48", by: str = "raw") -> None:
+    head = ["NRRD0005", "type: uchar", f"dimension: {len(sizes.split())}", f"sizes: {sizes}", f"encoding: {by}", *lines]
+    path.write_bytes("\n".join([*head, "", ""]).encode() + voxels.tobytes())
+
+
+def odd_apart(path: Path, voxels: np.ndarray, length: float) -> None:
+    """A NIfTI whose distances are 0 or no number, for which ITK says 1 mm."""
+    written(voxels, path)
+    data = bytearray(path.read_bytes())
+    data[80:92], data[252:256] = 3 * struct.pack("<f", length), bytes(4)
+    path.write_bytes(data)
+
+
+def packed(path: Path, voxels: np.ndarray) -> None:
+    path.write_bytes(gzip.compress(voxels.tobytes()))
+
+
+def pictures_in(path: Path, voxels: np.ndarray) -> None:
+    path.mkdir()
+    for number, plane in enumerate(voxels[:3]):
+        sitk.WriteImage(sitk.GetImageFromArray(plane), str(path / f"{number}.png"))
+
+
+def vtk(path: Path, voxels: np.ndarray, of: str, more: int) -> None:
+    """Legacy VTK as text: values of points, or of cells, of which each row has one less."""
+    z, y, x = voxels.shape
+    head = f"# vtk DataFile Version 3.0\nscan\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS {x + more} {y + more} "
+    head += f"{z + more}\nSPACING 1.25 1.25 2.5\nORIGIN 0 0 0\n{of} {voxels.size}\nSCALARS v unsigned_char 1\n"
+    rows = "\n".join(" ".join(map(str, row)) for row in voxels.reshape(-1, x))
+    path.write_text(f"{head}LOOKUP_TABLE default\n{rows}\n")
+
+
+def in_members(path: Path, voxels: np.ndarray) -> None:
+    """A NIfTI in gzip in three pieces, as pigz and bgzip write it."""
+    written(voxels, path)
+    data = gzip.decompress(path.read_bytes())
+    third = len(data) // 3
+    pieces = (data[:third], data[third : 2 * third], data[2 * third :])
+    path.write_bytes(b"".join(map(gzip.compress, pieces)))
+
+
+def named(suffix: str, head: bytes = b"", pack: bool = False) -> Make:
+    """What is written as `suffix` under another name, or other bytes."""
+
+    def make(path: Path, voxels: np.ndarray) -> None:
+        written(voxels, path.parent / f"as{suffix}")
+        data = head or (path.parent / f"as{suffix}").read_bytes()
+        path.write_bytes(gzip.compress(data) if pack else data)
+
+    return make
+
+
+def nifti(size: int, mark: bytes, at: int) -> bytes:
+    head = bytearray(600)
+    head[:4], head[at : at + len(mark)] = struct.pack("<i", size), mark
+    return bytes(head)
+
+
+def in_db(voxels: np.ndarray, outside: float) -> np.ndarray:
+    return np.where(voxels > 0, voxels / 4.0 - 60.0, outside).astype("<f4")

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: MIT
+"""What users have, and what is right of it or said: one table. test_kinds has its rows in Python, test_doors at every
+door that takes the format."""
+
+import numpy as np
+import tifffile
+from makers import (
+    MM,
+    SPACING,
+    Make,
+    in_db,
+    in_members,
+    meta,
+    named,
+    nifti,
+    nrrd,
+    odd_apart,
+    packed,
+    pictures_in,
+    vtk,
+    written,
+)
+from makers_dicom import by_table, coloured, enhanced, folder_of
+
+
+def expected(name: str, voxels: np.ndarray) -> np.ndarray:
+    """The levels that a plugin is to get: of dB by the range of what was scanned, else the voxels as they are."""
+    if name == "outside.mha":
+        return np.where(voxels, np.maximum(voxels, 17), 0).astype(np.uint8)
+    if name == "white.nrrd":
+        return np.where(voxels, np.minimum(voxels, 254), 0).astype(np.uint8)
+    if name.startswith(("db", "inf")):
+        low, high = voxels[voxels > 0].min(), voxels.max()
+        levels = np.floor((voxels.astype(float) - low) / (float(high) - low) * 255 + 0.5)
+        return np.where(voxels, np.maximum(levels, 1), 0).astype(np.uint8)
+    return voxels
+
+
+RIGHT: dict[str, Make] = {  # clipped as the plain file is
+    "enhanced.dcm": enhanced,
+    "times.dcm": lambda path, v: enhanced(path, v, times=3),
+    "folder": folder_of,
+    "outside.mha": lambda path, v: meta(path, np.where(v, expected(path.name, v), np.uint8(16)), MM),
+    "white.nrrd": lambda path, v: written(np.where(v, expected(path.name, v), np.uint8(255)), path),
+    "db_nan.mha": lambda path, v: meta(path, in_db(v, np.nan), MM, kind="MET_FLOAT"),
+    "db_999.mha": lambda path, v: meta(path, in_db(v, -999), MM, kind="MET_FLOAT"),
+    "inf.nrrd": lambda path, v: written(in_db(v, -np.inf), path),
+    "grey.mha": lambda path, v: meta(path, np.repeat(v[..., None], 3, -1), MM, "ElementNumberOfChannels = 3"),
+    "rgb.nrrd": lambda path, v: nrrd(
+        path, np.repeat(v[..., None], 4, -1), "space: LPS", "kinds: RGBA-color domain domain domain",
+        "space directions: none (1.25,0,0) (0,1.25,0) (0,0,2.5)", sizes="4 96 96 48"),
+    "last.nrrd": lambda path, v: nrrd(
+        path, np.stack([v, v]), "kinds: domain domain domain list", "spacings: 1.25 1.25 2.5 nan", sizes="96 96 48 2"),
+    "ome.tif": lambda path, v: tifffile.imwrite(path, v, ome=True, metadata={"axes": "ZYX"} | {
+        f"PhysicalSize{axis}": 1e3 * length for axis, length in zip("XYZ", SPACING, strict=True)}),
+    "um.nrrd": lambda path, v: nrrd(
+        path, v, "space: LPS", "space directions: (1250,0,0) (0,1250,0) (0,0,2500)", 'space units: "um" "um" "um"'),
+    "cm.nrrd": lambda path, v: nrrd(
+        path, v, "space: LPS", "space directions: (.125,0,0) (0,.125,0) (0,0,.25)", 'space units: "cm" "cm" "cm"'),
+    "plus.mha": lambda path, v: meta(
+        path, v, MM, "TransformMatrix = 1 0 0 0 1 0 0 0 1", "Kinds = domain domain domain",
+        "AnatomicalOrientation = RAI", "UltrasoundImageOrientation = MFA", "Seq_Frame0000_ImageStatus = OK"),
+    "supra.mha": lambda path, v: meta(
+        path, v, MM + " 1", "TransformMatrix = 1 0 0 0 1 0 0 0 1", "Seq_Frame0000_Timestamp = 1",
+        "Seq_Frame0001_Timestamp = 2", frames=2),
+}  # fmt: skip
+RIGHT |= {
+    "rle.dcm": lambda path, v: coloured(path, v, 0),
+    "rle_planes.dcm": lambda path, v: coloured(path, v, 1),
+    "points.vtk": lambda path, v: vtk(path, v, "POINT_DATA", 0),
+    "50%d.nrrd": lambda path, v: written(v, path),
+    "members.nii.gz": in_members,
+}
+SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
+    "nospace.mha": (meta, 0, "does not say how far apart its voxels are"),
+    "nospace.nrrd": (nrrd, 0, "does not say how far apart its voxels are"),
+    "pages.tif": (lambda path, v: written(v, path), 0, "does not say how far apart its voxels are"),
+    "bare.dcm": (lambda path, v: enhanced(path, v, measures=False), 0, "does not say how far apart"),
+    "metres.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1.25e-3 1.25e-3 2.5e-3"), 0, "spacing in metres?"),
+    "zero.nii": (lambda path, v: odd_apart(path, v, 0), 0, "does not say how far apart its voxels are"),
+    "nan.nii": (lambda path, v: odd_apart(path, v, np.nan), 0, "does not say how far apart its voxels are"),
+    "none.nrrd": (
+        lambda path, v: nrrd(path, v, "space: LPS", "space directions: (1.25,0,0) (0,1.25,0) none"), 0,
+        "does not say how far apart its voxels are"),
+    "thick.dcm": (lambda path, v: enhanced(path, v, step=()), 0, "does not say how far apart its voxels are"),
+    "zero.nrrd": (lambda path, v: nrrd(path, v, "spacings: 0 0 0"), 3, "a spacing is 0, expected lengths above 0"),
+    "askew.nrrd": (
+        lambda path, v: nrrd(path, v, "space: LPS", "space directions: (1.25,0,0) (.4,1.25,0) (0,0,2.5)"), 3,
+        "its axes are not at right angles"),
+    "two.nrrd": (
+        lambda path, v: nrrd(path, np.stack([v, v], -1), "kinds: vector domain domain domain", sizes="2 96 96 48"), 3,
+        "its voxels have 2 values each"),
+    "times.tif": (
+        lambda path, v: tifffile.imwrite(path, np.stack([v, v]), imagej=True, metadata={"axes": "TZYX"}), 3,
+        "its pages are of 2 times"),
+    "white.tif": (lambda path, v: tifffile.imwrite(path, v, photometric="miniswhite"), 3, "its grey is inverted"),
+    "packed.mha.gz": (packed, 3, "it is compressed as a whole"),
+    "colour.nrrd": (
+        lambda path, v: nrrd(path, np.stack([v, v // 2, v], -1), "kinds: RGB-color domain domain domain",
+                             sizes="3 96 96 48"), 3, "it is in colour"),
+    "feet.nrrd": (
+        lambda path, v: nrrd(path, v, "space: LPS", "space directions: (1,0,0) (0,1,0) (0,0,1)",
+                             'space units: "ft" "ft" "ft"'), 3, "its lengths are in 'ft'"),
+    "lost.dcm": (lambda path, v: enhanced(path, v, times=2, missing=5), 3, "which of them make up a volume is not"),
+    "gap.dcm": (lambda path, v: enhanced(path, v, missing=5), 3, "slices are missing or not evenly spaced"),
+    "beside.dcm": (lambda path, v: enhanced(path, v, step=(0.5, 0, 2.5)), 3, "lie 0.5 mm beside the one before"),
+    "place.dcm": (lambda path, v: enhanced(path, v, step=(0, 0, 0)), 3, "48 pictures, lie at one place"),
+    "white.dcm": (lambda path, v: enhanced(path, v, grey="MONOCHROME1"), 3, "its grey is inverted"),
+    "seg.dcm": (lambda path, v: enhanced(path, v, of_class="66.4"), 3, "but made of one (Segmentation Storage)"),
+    "map.dcm": (lambda path, v: enhanced(path, v, of_class="30"), 3, "but made of one (Parametric Map Storage)"),
+    "table.dcm": (lambda path, v: by_table(path, v, 200), 3, "its modality look-up table is damaged"),
+    "bzip2.nrrd": (lambda path, v: nrrd(path, v, by="bzip2"), 3, "it is compressed with bzip2"),
+    "lost.nrrd": (lambda path, v: nrrd(path, v, "data file: lost.raw"), 3, "its data file cannot be opened"),
+    "early.nrrd": (lambda path, v: nrrd(path, v[:9]), 3, "its data end early"),
+    "flat.nrrd": (lambda path, v: nrrd(path, v[0], sizes="96 96"), 3, "it has 2 dimensions"),
+    "comma.nrrd": (lambda path, v: nrrd(path, v, "spacings: 1,25 1,25 2,5"), 3, "expected a point as decimal mark"),
+    "nothing": (lambda path, v: path.mkdir(), 3, "there is no file in the folder"),
+    "slices": (pictures_in, 3, "no DICOM series, but 3 pictures, which tell no length"),
+}  # fmt: skip
+NAMES: dict[str, tuple[Make, str]] = {  # a name that is not the content: the cause
+    "gz.nii": (named(".nii.gz"), "by its content it is NIfTI in gzip, not by its name: let it end in .nii.gz"),
+    "plain.nii.gz": (named(".nii"), "by its content it is NIfTI, not by its name: let it end in .nii"),
+    "none": (named(".nii.gz"), "let it end in .nii.gz"),
+    "meta.nrrd": (named(".mha"), "by its content it is MetaImage, not by its name: let it end in .mha"),
+    "nrrd.mha": (named(".nrrd"), "by its content it is NRRD, not by its name: let it end in .nrrd"),
+    "two.nii.gz": (named(".nii", nifti(540, b"n+2", 4), pack=True), "it is NIfTI-2, which is not read here"),
+    "old.hdr": (named(".nii", nifti(348, b"", 0)), "it is Analyze 7.5, which does not say where left is"),
+    "._a.nrrd": (named(".nii", b"\0\5\x16\7\0\2\0\0"), "it is what macOS keeps beside a file, not the file"),
+    "._a.mha": (named(".nii", b"\0\5\x16\7\0\2\0\0"), "it is what macOS keeps beside a file, not the file"),
+    "lfs.nrrd": (named(".nii", b"version https://git-lfs.github.com/spec/v1\n"), "it is a pointer of Git LFS"),
+    "page.nii": (named(".nii", b"<!DOCTYPE html><html>"), "it is a web page"),
+    "bare.dcm": (named(".nii", b"\x08\x00\x05\x00CS\x0a\x00ISO_IR 100"), "it is DICOM without its preamble"),
+    "gz.nrrd": (named(".nrrd", pack=True), "it is compressed as a whole: unpack it first"),
+    "empty.nii": (lambda path, v: path.touch(), "the file is empty"),
+    "scan.gipl": (lambda path, v: written(v, path), "is none of NRRD, MetaImage, NIfTI, TIFF, VTK, DICOM and Kretz"),
+    "cells.vtk": (lambda path, v: vtk(path, v, "CELL_DATA", 1), "its values belong to cells (CELL_DATA)"),
+    "100%d.nhdr": (
+        lambda path, v: written(v, path), "a data file's name has a %, which NRRD takes for a pattern of names"),
+    "50%.mhd": (
+        lambda path, v: meta(path, v, MM, data="50%.raw"), "expected a name without %, which MetaImage takes for a"),
+}  # fmt: skip
