@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
 """DICOM as users have it, of one scan: kinds, colour spaces, transfer syntaxes."""
 
-from collections.abc import Sequence
+import io
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import SimpleITK as sitk
+from PIL import Image
 
 
 def enhanced(
@@ -55,26 +58,159 @@ def folder_of(path: Path, voxels: np.ndarray) -> None:
         enhanced(path / f"t{number}.dcm", voxels)
 
 
-def coloured(path: Path, voxels: np.ndarray, planes: int) -> None:
-    """Grey in YBR_FULL by RLE, of pixels or of planes: pydicom packs these as if they were pixels."""
+def changed(path: Path, voxels: np.ndarray, *how: Callable[[Any], None], **fields: Any) -> None:
+    """The same with other fields, and then by pydicom: `how` is told the data set."""
     import pydicom
 
     enhanced(path, voxels)
     data = pydicom.dcmread(path)
-    ybr = np.stack([voxels, np.full_like(voxels, 128), np.full_like(voxels, 128)], -1)
-    data.SamplesPerPixel, data.PhotometricInterpretation, data.PlanarConfiguration = 3, "YBR_FULL", planes
-    data.PixelData = (np.moveaxis(ybr, -1, 1) if planes else ybr).tobytes()
-    data.compress(pydicom.uid.RLELossless, generate_instance_uid=False)
+    for name, value in fields.items():
+        setattr(data, name, value)
+    for one in how:
+        one(data)
     data.save_as(path)
+
+
+def ybr_of(grey: np.ndarray) -> np.ndarray:
+    return np.stack([grey, np.full_like(grey, 128), np.full_like(grey, 128)], -1)
+
+
+def coloured(path: Path, pixels: np.ndarray, space: str = "YBR_FULL", planes: int = 0, rle: bool = False) -> None:
+    """Grey in a colour space, pixel by pixel or plane by plane. By RLE, pydicom packs planes as if they were pixels."""
+    import pydicom
+
+    def pack(data: Any) -> None:
+        if rle:
+            data.compress(pydicom.uid.RLELossless, generate_instance_uid=False)
+
+    data = (np.moveaxis(pixels, -1, 1) if planes else pixels).tobytes()
+    how = {"SamplesPerPixel": 3, "PhotometricInterpretation": space, "PlanarConfiguration": planes, "PixelData": data}
+    changed(path, pixels[..., 0], pack, **how)
+
+
+def halved(path: Path, voxels: np.ndarray) -> None:
+    """YBR_FULL_422: two pixels share their colours."""
+    pairs = voxels.reshape(*voxels.shape[:2], -1, 2)
+    pixels = np.concatenate([pairs, np.full_like(pairs, 128)], -1)
+    how = {"SamplesPerPixel": 3, "PhotometricInterpretation": "YBR_FULL_422", "PlanarConfiguration": 0}
+    changed(path, voxels, **how, PixelData=pixels.tobytes())
+
+
+def palette(path: Path, voxels: np.ndarray) -> None:
+    """A pixel is the number of a colour, all of which are grey, the brightest first."""
+
+    def add(data: Any) -> None:
+        for n in (1, 2, 3):
+            data.add_new((0x28, 0x1100 + n), "US", [256, 0, 16])
+            data.add_new((0x28, 0x1200 + n), "OW", (np.arange(256, dtype="<u2") * 257)[::-1].tobytes())
+
+    changed(path, voxels, add, PhotometricInterpretation="PALETTE COLOR", PixelData=(255 - voxels).tobytes())
+
+
+def stored(path: Path, voxels: np.ndarray, above: int = 0) -> None:
+    """12 of 16 bits; old files keep an overlay in the bits above."""
+    words = voxels.astype("<u2") * 16 | (above << 12) * (np.indices(voxels.shape)[1] % 2).astype("<u2")
+    how = {"BitsAllocated": 16, "BitsStored": 12, "HighBit": 11}
+    changed(path, voxels, **how, PixelData=words.astype("<u2").tobytes())
+
+
+def transferred(path: Path, voxels: np.ndarray, syntax: str) -> None:
+    """In another transfer syntax: its name in pydicom."""
+    import pydicom
+
+    def set_to(data: Any) -> None:
+        data.file_meta.TransferSyntaxUID = getattr(pydicom.uid, syntax)
+
+    changed(path, voxels, set_to)
+
+
+def packed_by(path: Path, voxels: np.ndarray, by: str) -> None:
+    """Without loss by GDCM, which SimpleITK writes with."""
+    import pydicom
+
+    writer = sitk.ImageFileWriter()
+    writer.SetFileName(str(path))
+    writer.UseCompressionOn()
+    writer.SetCompressor(by)
+    writer.Execute(sitk.GetImageFromArray(voxels))
+    made = pydicom.dcmread(path)
+
+    def take(data: Any) -> None:
+        data.file_meta.TransferSyntaxUID = made.file_meta.TransferSyntaxUID
+        data["PixelData"] = made["PixelData"]
+
+    changed(path, voxels, take)
+
+
+def lossy(path: Path, voxels: np.ndarray) -> None:
+    """JPEG, as machines send it: what was not scanned is no longer 0 all over."""
+    import pydicom
+
+    def pack(data: Any) -> None:
+        frames = []
+        for plane in voxels:
+            with io.BytesIO() as file:
+                Image.fromarray(plane).save(file, "JPEG", quality=95)
+                frames.append(file.getvalue())
+        data.file_meta.TransferSyntaxUID = pydicom.uid.JPEGBaseline8Bit
+        data.PixelData = pydicom.encaps.encapsulate(frames)
+        data["PixelData"].is_undefined_length = True
+
+    changed(path, voxels, pack)
+
+
+def series(path: Path, voxels: np.ndarray, of_class: str) -> None:
+    """A picture a file, with its place."""
+    import pydicom
+
+    path.mkdir()
+    enhanced(path / "all.dcm", voxels, of_class=of_class)
+    data = pydicom.dcmread(path / "all.dcm")
+    (path / "all.dcm").unlink()
+    for name in ("NumberOfFrames", "SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence"):
+        delattr(data, name)
+    data.PixelSpacing, data.SliceThickness, data.ImageOrientationPatient = [1.25, 1.25], 2.5, [1, 0, 0, 0, 1, 0]
+    for z, plane in enumerate(voxels):
+        data.SOPInstanceUID = data.file_meta.MediaStorageSOPInstanceUID = pydicom.uid.generate_uid()
+        data.ImagePositionPatient, data.InstanceNumber, data.PixelData = [-10, -20, 30 + 2.5 * z], z, plane.tobytes()
+        data.save_as(path / f"{z:03d}.dcm")
+
+
+def without_places(path: Path, voxels: np.ndarray) -> None:
+    """A Secondary Capture of many frames, which says at its top how far apart all is."""
+
+    def drop(data: Any) -> None:
+        del data.SharedFunctionalGroupsSequence, data.PerFrameFunctionalGroupsSequence
+
+    changed(path, voxels, drop, PixelSpacing=[1.25, 1.25], SpacingBetweenSlices=2.5,
+            SOPClassUID="1.2.840.10008.5.1.4.1.1.7.2")  # fmt: skip
+
+
+def with_flow(path: Path, voxels: np.ndarray) -> None:
+    """Each plane twice: tissue, and what flows there."""
+    import pydicom
+
+    enhanced(path, voxels, times=2)
+    data = pydicom.dcmread(path)
+    for number, frame in enumerate(data.PerFrameFunctionalGroupsSequence):
+        kind = pydicom.Dataset()
+        kind.DataType = "TISSUE_INTENSITY" if number < 48 else "FLOW_VELOCITY"
+        frame.ImageDataTypeSequence = [kind]
+        frame.FrameContentSequence[0].TemporalPositionIndex = 1
+    data.PixelData = voxels.tobytes() + np.full_like(voxels, 128).tobytes()
+    data.save_as(path)
+
+
+def far_probe(path: Path, voxels: np.ndarray) -> None:
+    """Its slices run towards the probe, and it says where the apex of the fan is."""
+    changed(path, voxels[::-1], UltrasoundAcquisitionGeometry="APEX", ApexPosition=[59.0, 59.0, 180.0])
 
 
 def by_table(path: Path, voxels: np.ndarray, entries: int = 256) -> None:
     """Its pixels stand for values of a table, which turns them round."""
     import pydicom
 
-    enhanced(path, 255 - voxels)
-    data, item = pydicom.dcmread(path), pydicom.Dataset()
+    item = pydicom.Dataset()
     item.LUTDescriptor, item.ModalityLUTType = [256, 0, 12], "US"
     item.add_new(0x00283006, "OW", np.arange(256, dtype="<u2")[::-1][:entries].tobytes())
-    data.ModalityLUTSequence = [item]
-    data.save_as(path)
+    changed(path, 255 - voxels, ModalityLUTSequence=[item])

@@ -20,7 +20,20 @@ from makers import (
     vtk,
     written,
 )
-from makers_dicom import by_table, coloured, enhanced, folder_of
+from makers_dicom import (
+    by_table,
+    coloured,
+    enhanced,
+    folder_of,
+    halved,
+    packed_by,
+    palette,
+    series,
+    stored,
+    transferred,
+    without_places,
+    ybr_of,
+)
 
 
 def expected(name: str, voxels: np.ndarray) -> np.ndarray:
@@ -29,7 +42,7 @@ def expected(name: str, voxels: np.ndarray) -> np.ndarray:
         return np.where(voxels, np.maximum(voxels, 17), 0).astype(np.uint8)
     if name == "white.nrrd":
         return np.where(voxels, np.minimum(voxels, 254), 0).astype(np.uint8)
-    if name.startswith(("db", "inf")):
+    if name.startswith(("db", "inf", "stored")):
         low, high = voxels[voxels > 0].min(), voxels.max()
         levels = np.floor((voxels.astype(float) - low) / (float(high) - low) * 255 + 0.5)
         return np.where(voxels, np.maximum(levels, 1), 0).astype(np.uint8)
@@ -64,9 +77,26 @@ RIGHT: dict[str, Make] = {  # clipped as the plain file is
         path, v, MM + " 1", "TransformMatrix = 1 0 0 0 1 0 0 0 1", "Seq_Frame0000_Timestamp = 1",
         "Seq_Frame0001_Timestamp = 2", frames=2),
 }  # fmt: skip
+RIGHT |= {  # colour spaces and transfer syntaxes
+    "rgb.dcm": lambda path, v: coloured(path, np.repeat(v[..., None], 3, -1), "RGB"),
+    "rgb_planes.dcm": lambda path, v: coloured(path, np.repeat(v[..., None], 3, -1), "RGB", 1),
+    "ybr.dcm": lambda path, v: coloured(path, ybr_of(v)),
+    "ybr_planes.dcm": lambda path, v: coloured(path, ybr_of(v), planes=1),
+    "ybr_rle.dcm": lambda path, v: coloured(path, ybr_of(v), rle=True),
+    "ybr_rle_planes.dcm": lambda path, v: coloured(path, ybr_of(v), planes=1, rle=True),
+    "ybr_422.dcm": halved,
+    "palette.dcm": palette,
+    "stored12.dcm": stored,
+    "stored12_overlay.dcm": lambda path, v: stored(path, v, above=15),
+    "deflated.dcm": lambda path, v: transferred(path, v, "DeflatedExplicitVRLittleEndian"),
+    "implicit.dcm": lambda path, v: transferred(path, v, "ImplicitVRLittleEndian"),
+    "jpeg2000.dcm": lambda path, v: packed_by(path, v, "JPEG2000"),
+    "jpeg_lossless.dcm": lambda path, v: packed_by(path, v, "JPEG"),
+    "series": lambda path, v: series(path, v, "6.1"),
+    "captures": lambda path, v: series(path, v, "7"),
+    "many_frames.dcm": without_places,
+}
 RIGHT |= {
-    "rle.dcm": lambda path, v: coloured(path, v, 0),
-    "rle_planes.dcm": lambda path, v: coloured(path, v, 1),
     "points.vtk": lambda path, v: vtk(path, v, "POINT_DATA", 0),
     "50%d.nrrd": lambda path, v: written(v, path),
     "members.nii.gz": in_members,
