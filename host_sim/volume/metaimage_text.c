@@ -62,40 +62,61 @@ static bool ends_with(const char *path, const char *ending) {
     return n > m && strcasecmp(path + n - m, ending) == 0;
 }
 
-/* True, with HS_ERR_INPUT, if the first bytes are those of NRRD, NIfTI (also compressed), Analyze, VTK, TIFF,
- * DICOM, a picture or macOS' companions of files: the message names the format and says what reads it. */
+static const char python_reads[] = "'smartvis clip' of the Python package reads it";
+
+/* What a file is by its first bytes, as in "FILE: is FORMAT", and what helps. */
+static const struct {
+    const char *mark;
+    size_t bytes;
+    const char *format, *how;
+} marks[] = {
+#define MARK(mark, format, how)                                                                              \
+    { mark, sizeof(mark) - 1, format, how }
+    MARK("NRRD", "an NRRD file", python_reads),
+    MARK("# vtk", "a VTK file", python_reads),
+    MARK("II*\0", "a TIFF file", python_reads),
+    MARK("MM\0*", "a TIFF file", python_reads),
+    MARK("\x89PNG", "a picture", "one file has all slices of a volume"),
+    MARK("\xff\xd8\xff", "a picture", "one file has all slices of a volume"),
+    MARK("KRETZFILE", "a Kretz file", "labels and maps come in no other format"),
+    MARK("\0\5\x16\7", "what macOS keeps beside a file", "the file itself is called so without ._ in front"),
+    MARK("version https://git-lfs", "a pointer of Git LFS", "'git lfs pull' brings the file"),
+};
+
+static bool is_web_page(const uint8_t *head, size_t bytes) {
+    size_t at = 0;
+    while (at < bytes && isspace(head[at])) at++;
+    const char *text = (const char *)head + at;
+    return (bytes - at >= 14 && strncasecmp(text, "<!doctype html", 14) == 0) ||
+           (bytes - at >= 5 && strncasecmp(text, "<html", 5) == 0);
+}
+
+/* True, with HS_ERR_INPUT, if there is nothing, or the first bytes are those of something else, also
+ * compressed: the message names it and says what helps. */
 static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs_error *err) {
     const uint8_t *head = (const uint8_t *)head_text;
     uint8_t inner[NIFTI2_SIZE];
-    const char *format = NULL;
-    const char *how = "'smartvis clip' of the Python package reads it";
+    const char *format = bytes ? NULL : "empty", *how = bytes ? python_reads : "copy it anew";
     if (bytes >= 2 && head[0] == 0x1f && head[1] == 0x8b) {
         bytes = inflate_head(head, bytes, inner, sizeof inner);
         head = inner;
     }
-    if (holds(head, bytes, 0, "NRRD", 4))
-        format = "an NRRD file";
-    else if (is_nifti(head, bytes))
+    for (size_t i = 0; i < sizeof marks / sizeof *marks && !format; i++) {
+        if (!holds(head, bytes, 0, marks[i].mark, marks[i].bytes)) continue;
+        format = marks[i].format;
+        how = marks[i].how;
+    }
+    if (!format && is_nifti(head, bytes))
         format = "a NIfTI file";
-    else if (starts_with(head, bytes, NIFTI1_SIZE) && ends_with(path, ".hdr"))
+    else if (!format && starts_with(head, bytes, NIFTI1_SIZE) && ends_with(path, ".hdr"))
         format = "an Analyze file";
-    else if (holds(head, bytes, 0, "# vtk", 5))
-        format = "a VTK file";
-    else if (holds(head, bytes, 0, "II*\0", 4) || holds(head, bytes, 0, "MM\0*", 4))
-        format = "a TIFF file";
-    else if (holds(head, bytes, DICOM_MARK, "DICM", 4) || is_bare_dicom(head, bytes)) {
+    else if (!format && (holds(head, bytes, DICOM_MARK, "DICM", 4) || is_bare_dicom(head, bytes))) {
         format = "a DICOM file";
         how = "'smartvis clip' of the Python package reads it, or a folder with its series";
-    } else if (holds(head, bytes, 0, "\x89PNG", 4) || holds(head, bytes, 0, "\xff\xd8\xff", 3)) {
-        format = "a picture";
-        how = "one file has all slices of a volume";
-    } else if (holds(head, bytes, 0, "KRETZFILE", 9)) {
-        format = "a Kretz file";
-        how = "labels and maps come in no other format";
-    } else if (holds(head, bytes, 0, "\0\5\x16\7", 4)) {
-        format = "what macOS keeps beside a file";
-        how = "the file itself is called so without ._ in front";
-    } else if (head == inner) {
+    } else if (!format && is_web_page(head, bytes)) {
+        format = "a web page";
+        how = "fetch the file itself";
+    } else if (!format && head == inner) {
         format = "a file compressed as a whole";
         how = "unpack it first";
     }

@@ -217,6 +217,11 @@ static void other_formats_are_named(void **state) {
          "is a DICOM file; host_sim reads MetaImage (.mha, .mhd): 'smartvis clip' of the"},
         {"c.mha", bare, sizeof bare, "is a DICOM file"},
         {"d.hdr", analyze, sizeof analyze, "is an Analyze file"},
+        {"h.mha", "\0\5\x16\7\0\2", 6, "is what macOS keeps beside a file"},
+        {"h.mha", "version https://git-lfs.github.com/spec/v1\n", 43, "is a pointer of Git LFS"},
+        {"h.mha", "\n<!DOCTYPE html>\n", 17, "is a web page"},
+        {"h.mha", "<HTML>", 6, "is a web page"},
+        {"h.mha", "", 0, "is empty; host_sim reads MetaImage (.mha, .mhd): copy it anew"},
         /* Just not: the size alone, the mark elsewhere, a text that begins like one. */
         {"e.mha", analyze, sizeof analyze, "this is no MetaImage header"},
         {"e.mha", late, sizeof late, "holds a zero byte"},
@@ -230,8 +235,6 @@ static void other_formats_are_named(void **state) {
     files_refused("f.nii.gz", "is a NIfTI file");
     files_gzip("g.mha", "NDims = 3\n", 10);
     files_refused("g.mha", "is a file compressed as a whole");
-    files_write("h.mha", NULL, "\0\5\x16\7\0\2", 6);
-    files_refused("h.mha", "is what macOS keeps beside a file");
 }
 
 UNIT_MAIN(files_setup, files_teardown, volumes_come_one_after_the_other, what_is_said_of_a_volume_is_kept,

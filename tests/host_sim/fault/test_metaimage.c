@@ -242,8 +242,8 @@ static void every_truncation_is_refused(void **state) {
         memcpy(file + text, compressed ? packed : good_data, data);
         for (size_t n = 0; n < text + data; n++) {
             files_write("cut.mha", NULL, file, n);
-            const bool whole_lines = n < text && (n == 0 || file[n - 1] == '\n');
-            files_refused("cut.mha", whole_lines ? "ElementDataFile is missing" : NULL);
+            const bool whole_lines = n > 0 && n < text && file[n - 1] == '\n';
+            files_refused("cut.mha", whole_lines ? "ElementDataFile is missing" : n ? NULL : "is empty");
             if (n >= text) files_refused("cut.mha", "ElementDataFile 'LOCAL'");
         }
         files_write("cut.mha", NULL, file, text + data);
