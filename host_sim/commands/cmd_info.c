@@ -14,18 +14,14 @@
 #include <stdio.h>
 
 static void print_pose(const hs_volume *v) {
-    char words[200], letters[4];
+    char words[200], letters[4], doubt[HS_DOUBT_BYTES];
     hs_pose_words(&v->pose, words, sizeof words);
     hs_pose_letters(&v->pose, letters);
     if (v->pose.stated)
         hs_print(stdout, "  in the patient: %s (%s)\n", words, letters);
     else
         (void)printf("  in the patient: not said\n");
-    if (v->pose.contradicted[0])
-        hs_print(
-            stdout,
-            "  AnatomicalOrientation says %s instead: only TransformMatrix counts, as in ITK and 3D Slicer\n",
-            v->pose.contradicted);
+    if (hs_pose_doubt(&v->pose, doubt)) hs_print(stdout, "  %s\n", doubt);
     if (hs_pose_is_mirrored(&v->pose))
         (void)printf("  the axes are left-handed: pictures are drawn with x reversed, as the patient is\n");
     hs_print(stdout, "  first voxel at (%g, %g, %g) mm%s\n", v->pose.origin[0], v->pose.origin[1],

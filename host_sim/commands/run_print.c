@@ -49,9 +49,7 @@ static void print_facts(const hs_run *run, FILE *out) {
         hs_camera_mark(&camera, v, mark, sizeof mark);
         hs_print(out, "Patient  %s; in the pictures: %s\n", words, mark);
     }
-    if (v->pose.contradicted[0])
-        hs_print(out, "         AnatomicalOrientation says %s: only TransformMatrix counts\n",
-                 v->pose.contradicted);
+    if (hs_pose_doubt(&v->pose, doubt)) hs_print(out, "         %s\n", doubt);
     (void)fprintf(out, "Camera   from %s%s, yaw %g, pitch %g, orbit %g degrees; picture %u x %u\n",
                   o->from == HS_FROM_PROBE && hs_probe_is_known(v) ? "the probe at " : "",
                   o->from == HS_FROM_PROBE ? hs_probe_name(v->probe) : hs_from_name(o->from), o->yaw,

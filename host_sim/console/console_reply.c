@@ -288,7 +288,7 @@ static json_t *source_part(const hs_console_stage *stage) {
                   stage->source_ms);
     put_directions(one, &window, v);
     put(one, "mm", json_boolean(!v->spacing_unsaid));
-    if (hs_volume_doubt(v, doubt)) put(one, "doubt", json_string(doubt));
+    if (hs_volume_doubt(v, doubt) || hs_pose_doubt(&v->pose, doubt)) put(one, "doubt", json_string(doubt));
     return one;
 }
 

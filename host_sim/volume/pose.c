@@ -50,6 +50,15 @@ static int closest(const hs_pose *pose, int axis, int *end) {
     return best;
 }
 
+bool hs_pose_doubt(const hs_pose *pose, char out[HS_DOUBT_BYTES]) {
+    if (!pose->contradicted[0]) return false;
+    (void)snprintf(
+        out, HS_DOUBT_BYTES,
+        "AnatomicalOrientation says %s instead: only TransformMatrix counts, as in ITK and 3D Slicer.",
+        pose->contradicted);
+    return true;
+}
+
 void hs_pose_letters(const hs_pose *pose, char letters[4]) {
     for (int axis = 0; axis < 3; axis++) {
         int end;

@@ -67,6 +67,11 @@ bool hs_pose_is_mirrored(const hs_pose *pose);
 /* Where the index (voxel centres at integers) lies in the world, mm. */
 void hs_pose_world(const hs_pose *pose, const double spacing[3], const double index[3], double world[3]);
 
+enum { HS_SIZE_BYTES = 200, HS_DOUBT_BYTES = 200 };
+
+/* True, with a sentence, if letters of the file contradict its directions. */
+bool hs_pose_doubt(const hs_pose *pose, char out[HS_DOUBT_BYTES]);
+
 /* Three letters, by the closest direction of each axis: where it comes from, as in AnatomicalOrientation.
  * "RAI": x runs from right to left, y from the front to the back, z from the feet to the head. */
 void hs_pose_letters(const hs_pose *pose, char letters[4]);
@@ -132,8 +137,6 @@ void hs_probe_axes(const hs_volume *volume, hs_probe face, double out[9]);
 
 /* Frees the voxels and the beams, and zeroes the struct. Safe on a zeroed struct. */
 void hs_volume_free(hs_volume *volume);
-
-enum { HS_SIZE_BYTES = 200, HS_DOUBT_BYTES = 200 };
 
 /* "96 x 96 x 48 voxels of 1.25 x 1.25 x 2.5 mm: 120.0 x 120.0 x 120.0 mm", or that the file does not say. */
 void hs_volume_size_words(const hs_volume *volume, char out[HS_SIZE_BYTES]);

@@ -94,7 +94,7 @@ static bool open_full(hs_eval_source *s, char part[PARTS][SYS_PATH], bool ranged
 static void note_doubts(const hs_volume *volume, char *out, size_t bytes) {
     char size[HS_DOUBT_BYTES] = "", question[160], beams[160];
     hs_course_question(volume, question, sizeof question);
-    const bool doubted = hs_volume_doubt(volume, size);
+    const bool doubted = hs_volume_doubt(volume, size) || hs_pose_doubt(&volume->pose, size);
     (void)snprintf(out, bytes, "%s%s%s", size, doubted && question[0] ? " " : "", question);
     if (out[0]) hs_print(stderr, "%s: %s\n", volume->name, out);
     hs_course_words(volume, beams, sizeof beams);

@@ -70,7 +70,7 @@ expect 0 "AnatomicalOrientation says LPI instead: only TransformMatrix counts" i
 expect 3 "letters.mha: does not say how it lies in the patient" "${run[@]}" --volume letters.mha --view anterior
 expect 0 "Camera   from anterior, yaw 0" "${run[@]}" --volume lying.mha --view anterior
 expect 0 "Patient  x to the right, y to the head, z to the back" "${run[@]}" --volume lying.mha
-expect 0 "AnatomicalOrientation says LPI: only TransformMatrix counts" "${run[@]}" --volume doubt.mha
+expect 0 "AnatomicalOrientation says LPI instead: only TransformMatrix counts" "${run[@]}" --volume doubt.mha
 expect 0 "Camera   from the probe at +y" "${run[@]}" --volume plain.mha --probe +y
 expect 3 "plain.mha: does not say how it lies in the patient" "${run[@]}" --volume plain.mha --view left
 expect 2 "--view: 'above' is none of probe, anterior, posterior, left, right, superior, inferior" "${run[@]}" --volume lying.mha --view above
