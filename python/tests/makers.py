@@ -3,7 +3,7 @@
 
 import gzip
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -88,3 +88,33 @@ def nifti(size: int, mark: bytes, at: int) -> bytes:
 
 def in_db(voxels: np.ndarray, outside: float) -> np.ndarray:
     return np.where(voxels > 0, voxels / 4.0 - 60.0, outside).astype("<f4")
+
+
+def placed(path: Path, voxels: np.ndarray, directions: Sequence[float] | np.ndarray) -> None:
+    """In the patient, with axes as given."""
+    image = sitk.GetImageFromArray(voxels)
+    image.SetSpacing(SPACING)
+    image.SetOrigin((10, -20, 30))
+    image.SetDirection(directions)
+    sitk.WriteImage(image, str(path))
+
+
+def two_places(path: Path, voxels: np.ndarray) -> None:
+    """A NIfTI whose sform is turned by 30 degrees against its qform."""
+    placed(path, voxels, np.diag([-1.0, -1.0, 1.0]).ravel())
+    data = bytearray(path.read_bytes())
+    rows = np.array([[0.75**0.5, -0.5, 0, 10], [0.5, 0.75**0.5, 0, -20], [0, 0, 1, 30]]) * (*SPACING, 1)
+    data[252:256], data[280:328] = struct.pack("<2h", 1, 2), rows.astype("<f4").tobytes()
+    path.write_bytes(data)
+
+
+def big_endian(path: Path, voxels: np.ndarray) -> None:
+    """A NIfTI of 16 bits, as a machine with the other byte order writes it."""
+    head = bytearray(352)
+    struct.pack_into(">i", head, 0, 348)
+    struct.pack_into(">8h", head, 40, 3, *voxels.shape[::-1], 1, 1, 1, 1)
+    struct.pack_into(">2h", head, 70, 4, 16)
+    struct.pack_into(">8f", head, 76, 1, *SPACING, 0, 0, 0, 0)
+    struct.pack_into(">3f", head, 108, 352, 1, 0)
+    head[123], head[344:348] = 2, b"n+1\0"
+    path.write_bytes(head + voxels.astype(">i2").tobytes())

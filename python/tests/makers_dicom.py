@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import SimpleITK as sitk
-from PIL import Image
+from PIL import Image  # type: ignore[import-not-found]
 
 
 def enhanced(

@@ -4,10 +4,12 @@ door that takes the format."""
 
 import numpy as np
 import tifffile
+from conftest import layers
 from makers import (
     MM,
     SPACING,
     Make,
+    big_endian,
     in_db,
     in_members,
     meta,
@@ -17,6 +19,8 @@ from makers import (
     odd_apart,
     packed,
     pictures_in,
+    placed,
+    two_places,
     vtk,
     written,
 )
@@ -24,13 +28,16 @@ from makers_dicom import (
     by_table,
     coloured,
     enhanced,
+    far_probe,
     folder_of,
     halved,
+    lossy,
     packed_by,
     palette,
     series,
     stored,
     transferred,
+    with_flow,
     without_places,
     ybr_of,
 )
@@ -42,7 +49,7 @@ def expected(name: str, voxels: np.ndarray) -> np.ndarray:
         return np.where(voxels, np.maximum(voxels, 17), 0).astype(np.uint8)
     if name == "white.nrrd":
         return np.where(voxels, np.minimum(voxels, 254), 0).astype(np.uint8)
-    if name.startswith(("db", "inf", "stored")):
+    if name.startswith(("db", "inf", "stored", "big")):
         low, high = voxels[voxels > 0].min(), voxels.max()
         levels = np.floor((voxels.astype(float) - low) / (float(high) - low) * 255 + 0.5)
         return np.where(voxels, np.maximum(levels, 1), 0).astype(np.uint8)
@@ -97,6 +104,7 @@ RIGHT |= {  # colour spaces and transfer syntaxes
     "many_frames.dcm": without_places,
 }
 RIGHT |= {
+    "big.nii": big_endian,
     "points.vtk": lambda path, v: vtk(path, v, "POINT_DATA", 0),
     "50%d.nrrd": lambda path, v: written(v, path),
     "members.nii.gz": in_members,
@@ -168,4 +176,17 @@ NAMES: dict[str, tuple[Make, str]] = {  # a name that is not the content: the ca
         lambda path, v: written(v, path), "a data file's name has a %, which NRRD takes for a pattern of names"),
     "50%.mhd": (
         lambda path, v: meta(path, v, MM, data="50%.raw"), "expected a name without %, which MetaImage takes for a"),
+}  # fmt: skip
+
+PLACED: dict[str, tuple[Make, str]] = {  # where the volume lies, and where the probe was; what is said, "": nothing
+    "turned.mha": (lambda path, v: placed(path, v, (0, 0, 1, 1, 0, 0, 0, 1, 0)), ""),
+    "left.nrrd": (lambda path, v: placed(path, v, (-1, 0, 0, 0, 1, 0, 0, 0, 1)), ""),
+    "letters.mha": (
+        lambda path, v: meta(path, v, MM, "AnatomicalOrientation = LPI"),
+        "only TransformMatrix counts"),
+    "two.nii": (two_places, "disagree, by 30 degrees"),
+    "box.mha": (lambda path, v: meta(path, layers((48, 96, 96)), MM), "nobody says where the probe was: -z is assumed"),
+    "far.dcm": (far_probe, "a fan from +z: lines from"),
+    "flow.dcm": (with_flow, ""),
+    "lossy.dcm": (lossy, "Its corners hold dark noise"),
 }  # fmt: skip
