@@ -2,12 +2,14 @@
 """Files as users have them, of one scan of 96 x 96 x 48 voxels: MetaImage, NRRD, NIfTI, VTK, pictures."""
 
 import gzip
+import shutil
 import struct
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 import SimpleITK as sitk
+from conftest import host
 
 Make = Callable[[Path, np.ndarray], None]
 SPACING = (1.25, 1.25, 2.5)
@@ -118,3 +120,27 @@ def big_endian(path: Path, voxels: np.ndarray) -> None:
     struct.pack_into(">3f", head, 108, 352, 1, 0)
     head[123], head[344:348] = 2, b"n+1\0"
     path.write_bytes(head + voxels.astype(">i2").tobytes())
+
+
+def beat(path: Path, voxels: np.ndarray) -> None:
+    """Two volumes in a file beside the header."""
+    meta(path, voxels[:0], f"{MM} 1", frames=2)
+    data = path.with_suffix(".raw")
+    path.write_bytes(path.read_bytes().replace(b"LOCAL", data.name.encode()))
+    data.write_bytes(voxels.tobytes() + voxels[:, ::-1].tobytes())
+
+
+def fan(path: Path, _: np.ndarray) -> None:
+    """A Kretz volume."""
+    host("scenes", "D01", "--size", 96, "--export", "--format", "vol", "--out", path.with_suffix(""))
+    shutil.move(path.with_suffix("") / "D01_full.vol", path)
+    shutil.rmtree(path.with_suffix(""))
+
+
+def along_y(voxels: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(voxels.transpose(1, 0, 2)[:, ::-1])
+
+
+def deep(path: Path, voxels: np.ndarray) -> None:
+    """The depth runs along y, reversed: the probe is at +y."""
+    written(along_y(voxels), path, (1.25, 2.5, 1.25))

@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 from conftest import BUILD, LONG, SOURCE, host
-from makers import MM, meta, nrrd, written
+from makers import written
 from pyigtl.messages import ImageMessage
-from users import NAMES, PLACED, RIGHT, SAID
+from users import FURTHER, NAMES, PLACED, RIGHT, SAID
 
 import smartvis
 from smartvis._files import Source
@@ -36,21 +36,6 @@ from console_client import Console, Page, until  # type: ignore[import-not-found
 FEW = ("--frames", 1, "--setting", "smartvis", "--picture", 32, "--few-pictures", "--write", "depthmap", "--out")
 
 
-def beat(path: Path, voxels: np.ndarray) -> None:
-    """Two volumes in a file beside the header."""
-    meta(path, voxels[:0], f"{MM} 1", frames=2)
-    data = path.with_suffix(".raw")
-    path.write_bytes(path.read_bytes().replace(b"LOCAL", data.name.encode()))
-    data.write_bytes(voxels.tobytes() + voxels[:, ::-1].tobytes())
-
-
-def fan(path: Path, _: np.ndarray) -> None:
-    """A Kretz volume."""
-    host("scenes", "D01", "--size", 96, "--export", "--format", "vol", "--out", path.with_suffix(""))
-    shutil.move(path.with_suffix("") / "D01_full.vol", path)
-    shutil.rmtree(path.with_suffix(""))
-
-
 def the_users(path: Path, _: np.ndarray) -> None:
     """A copy of a file or folder of ../shared/cases: the console follows no link that leads out of its folder."""
     case = CASES / path.name.removeprefix("the_")
@@ -59,38 +44,6 @@ def the_users(path: Path, _: np.ndarray) -> None:
         shutil.copyfile(case.with_suffix(".raw"), path.with_name(f"{case.stem}.raw"))
 
 
-def along_y(voxels: np.ndarray) -> np.ndarray:
-    return np.ascontiguousarray(voxels.transpose(1, 0, 2)[:, ::-1])
-
-
-def deep(path: Path, voxels: np.ndarray) -> None:
-    """The depth runs along y, reversed: the probe is at +y."""
-    written(along_y(voxels), path, (1.25, 2.5, 1.25))
-
-
-FURTHER = {  # name: how it is made, what is said; "": it is clipped as the plain file is
-    "plain.mha": (lambda path, v: meta(path, v, MM), ""),
-    "PLAIN.MHA": (lambda path, v: meta(path, v, MM), ""),
-    "deep.mha": (deep, ""),
-    "deep.nrrd": (deep, ""),
-    "signed.mha": (lambda path, v: meta(path, np.where(v, v.astype("<i2"), -32768), MM, kind="MET_SHORT"), ""),
-    "most.mha": (lambda path, v: meta(path, np.where(v, v.astype("<u2") * 8, 4095), MM, kind="MET_USHORT"), ""),
-    "cm.mha": (lambda path, v: meta(path, v, "ElementSpacing = .125 .125 .25"), "its spacing in centimetres?"),
-    "um.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1250 1250 2500"), "its spacing in micrometres?"),
-    "uneven.mha": (lambda path, v: meta(path, v, "ElementSpacing = .1 .1 2.5"), "times as long as another"),
-    "zero.mha": (lambda path, v: meta(path, v, "ElementSpacing = 0 0 0"), "ElementSpacing is '0 0 0', expected"),
-    "comma.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1,25 1,25 2,5"), "is '1,25 1,25 2,5', expected"),
-    "one_cm.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1.25 1.25 .25"), "12 mm along z: is the spacing"),
-    "noise.mha": (
-        lambda path, v: meta(path, np.where(v, v, np.arange(v.size, dtype=np.uint8).reshape(v.shape) % 3 + 1), MM),
-        "Its corners hold dark noise"),
-    "flow.mha": (
-        lambda path, v: meta(path, np.repeat(v[..., None], 2, -1), MM, "ElementNumberOfChannels = 2"),
-        "ElementNumberOfChannels is '2'"),
-    "thick.nrrd": (lambda path, v: nrrd(path, v, "thicknesses: 1.25 1.25 2.5"), "does not say how far apart"),
-    "beat.mhd": (beat, ""),
-    "probe.vol": (fan, ""),
-}  # fmt: skip
 CASES = SOURCE / "../shared/cases"
 USERS = {  # what users elsewhere have; "": the surface is where the plain file's is
     **dict.fromkeys(("the_enhanced.dcm", "the_enhanced_t.dcm", "the_folder_enh", "the_folder_time", "the_um.nrrd"), ""),

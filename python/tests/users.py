@@ -9,7 +9,10 @@ from makers import (
     MM,
     SPACING,
     Make,
+    beat,
     big_endian,
+    deep,
+    fan,
     in_db,
     in_members,
     meta,
@@ -189,4 +192,27 @@ PLACED: dict[str, tuple[Make, str]] = {  # where the volume lies, and where the 
     "far.dcm": (far_probe, "a fan from +z: lines from"),
     "flow.dcm": (with_flow, ""),
     "lossy.dcm": (lossy, "Its corners hold dark noise"),
+}  # fmt: skip
+FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is said, "": it is clipped as it is
+    "plain.mha": (lambda path, v: meta(path, v, MM), ""),
+    "PLAIN.MHA": (lambda path, v: meta(path, v, MM), ""),
+    "deep.mha": (deep, ""),
+    "deep.nrrd": (deep, ""),
+    "signed.mha": (lambda path, v: meta(path, np.where(v, v.astype("<i2"), -32768), MM, kind="MET_SHORT"), ""),
+    "most.mha": (lambda path, v: meta(path, np.where(v, v.astype("<u2") * 8, 4095), MM, kind="MET_USHORT"), ""),
+    "cm.mha": (lambda path, v: meta(path, v, "ElementSpacing = .125 .125 .25"), "its spacing in centimetres?"),
+    "um.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1250 1250 2500"), "its spacing in micrometres?"),
+    "uneven.mha": (lambda path, v: meta(path, v, "ElementSpacing = .1 .1 2.5"), "times as long as another"),
+    "zero.mha": (lambda path, v: meta(path, v, "ElementSpacing = 0 0 0"), "ElementSpacing is '0 0 0', expected"),
+    "comma.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1,25 1,25 2,5"), "is '1,25 1,25 2,5', expected"),
+    "one_cm.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1.25 1.25 .25"), "12 mm along z: is the spacing"),
+    "noise.mha": (
+        lambda path, v: meta(path, np.where(v, v, np.arange(v.size, dtype=np.uint8).reshape(v.shape) % 3 + 1), MM),
+        "Its corners hold dark noise"),
+    "flow.mha": (
+        lambda path, v: meta(path, np.repeat(v[..., None], 2, -1), MM, "ElementNumberOfChannels = 2"),
+        "ElementNumberOfChannels is '2'"),
+    "thick.nrrd": (lambda path, v: nrrd(path, v, "thicknesses: 1.25 1.25 2.5"), "does not say how far apart"),
+    "beat.mhd": (beat, ""),
+    "probe.vol": (fan, ""),
 }  # fmt: skip
