@@ -75,7 +75,8 @@ static bool begin_data(walk *w, hs_error *err) {
     return *rest == '\0' || strcmp(rest, ".1") == 0 || strcmp(rest, ".5") == 0 ||
            strncmp(rest, ".4.", 3) == 0 ||
            hs_fail(err, HS_ERR_INPUT,
-                   "%s: (0002,0010) transfer syntax is '%s', expected implicit or explicit little endian",
+                   "%s: (0002,0010) transfer syntax is '%s', expected implicit or explicit little endian; "
+                   "'smartvis clip' of the Python package reads others",
                    w->items->path, w->syntax);
 }
 
