@@ -231,9 +231,11 @@ def command_serve(args: argparse.Namespace) -> int:
         bounds = {"limit": args.limit << 20, "clients": args.clients, "memory": memory, "all_memory": together}
         server = Server(settings, args.host, args.port, **bounds)
     except (OSError, OverflowError) as error:
-        raise ValueError(f"--host {args.host} --port {args.port}: {error}") from None
+        why = getattr(error, "strerror", None) or error
+        raise ValueError(f"--host {args.host} --port {args.port}: {why}") from None
     host, port = server.server_address[:2]
-    print(f"smartvis: listening at {host!s}:{port}; Ctrl-C ends it", flush=True)
+    shown = f"[{host!s}]" if ":" in str(host) else str(host)
+    print(f"smartvis: listening at {shown}:{port}; Ctrl-C ends it", flush=True)
     with server:
         server.serve_forever()
     return OK

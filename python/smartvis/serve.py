@@ -16,6 +16,7 @@ that sends nonsense, stops in the middle or vanishes ends its own connection onl
 
 from __future__ import annotations
 
+import errno
 import logging
 import math
 import os
@@ -52,6 +53,7 @@ log = logging.getLogger("smartvis.serve")
 
 _COPIES = 12  # of a message: as it came, as numbers (8 bytes of a voxel's one), levels, clipped, packed with its header
 _LOOKS = 3  # of what a look takes, while the machine looks: its grid, as it is filled and as it is handed over
+_NO_SUCH_NETWORK = (errno.EAFNOSUPPORT, errno.EADDRNOTAVAIL)
 _LONGEST_NAME = 12  # "_clipped" follows, and a device name has 20 characters
 
 
@@ -87,7 +89,14 @@ class Server(socketserver.ThreadingTCPServer):
         machine = math.prod(map(os.sysconf, pages)) if hasattr(os, "sysconf") else 8 << 30  # Windows does not tell
         self.budget = Budget(memory or machine // 4, all_memory or machine // 2)
         self.room = threading.BoundedSemaphore(clients)
-        super().__init__((host, port), _Connection)
+        families = {found[0] for found in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)}
+        self.address_family = socket.AF_INET if socket.AF_INET in families else socket.AF_INET6
+        try:
+            super().__init__((host, port), _Connection)
+        except OSError as error:
+            if self.address_family != socket.AF_INET6 or error.errno not in _NO_SUCH_NETWORK:
+                raise
+            raise OSError(error.errno, "this machine has no such IPv6 address") from None
 
     def verify_request(self, request: Any, client_address: Any) -> bool:
         """False for a client too many."""

@@ -356,6 +356,19 @@ def test_a_port_that_is_taken_is_named(port: int, capsys) -> None:
     assert main(["serve", "--port", str(port)]) == 2 and f"--port {port}" in capsys.readouterr().err
 
 
+def test_ipv6_is_listened_at_or_told(capsys) -> None:
+    try:
+        with socket.socket(socket.AF_INET6) as tried:
+            tried.bind(("::1", 0))
+    except OSError:
+        assert main(["serve", "--host", "::1", "--port", "0"]) == 2
+    else:
+        with serving(host="::1") as number, socket.create_connection(("::1", number), timeout=LONG) as peer:
+            assert ask(peer, query("GET_STATUS"))[0] == "STATUS"
+        assert main(["serve", "--host", "2001:db8::1", "--port", "0"]) == 2  # an address of documents
+    assert "::1 --port 0: this machine has no such IPv6 address" in capsys.readouterr().err
+
+
 def ask(peer: socket.socket, data: bytes) -> tuple[str, str, bytes]:
     """Type, device name and body of what answers."""
     peer.sendall(data)
