@@ -29,6 +29,7 @@ OCLGRIND_PACKAGES := scripts/packages-oclgrind.txt
 FUZZ_PACKAGES := scripts/packages-fuzz.txt
 AARCH64_PACKAGES := scripts/packages-aarch64.txt
 WINDOWS_PACKAGES := scripts/packages-windows.txt
+PEERS_PACKAGES := scripts/packages-peers.txt
 
 # $(call step,<name>): one line for what comes behind it; its output is in out/log/<name>.log.
 step = scripts/quietly.sh $(1) $(OUT)/log/$(1).log
@@ -45,7 +46,7 @@ empty :=
 INTEL_TESTS := ^check/test_($(subst $(empty) $(empty),|,$(RUNTIME_TESTS)))$$
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-runtimes test-slicer test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-runtimes test-slicer peers test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -144,6 +145,12 @@ test-slicer: # 3D Slicer's own parser, logic and nodes with the command-line mod
 	@$(call build,build,,host_sim smartvis)
 	@bash tests/python/environment.sh . build python3
 	@scripts/slicer.sh build
+
+peers: # what 3D Slicer, ITK, MONAI and others read of ours, and we of theirs, against docs/peers.md (WRITE=1: into it): out/peers (PyPI, 10 GB)
+	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES) $(PEERS_PACKAGES)
+	@$(call build,build,,host_sim smartvis)
+	@$(call step,python) bash tests/python/environment.sh . build python3
+	@scripts/peers.sh build $(OUT)/peers $(if $(WRITE),--write)
 
 test-sanitize: setup # the tests under AddressSanitizer, LeakSanitizer and UndefinedBehaviorSanitizer
 	@# Without SV_WERROR: gcc warns wrongly in instrumented code.
