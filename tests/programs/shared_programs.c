@@ -64,7 +64,8 @@ static char *source_of(cl_program program) {
     (void)clGetProgramInfo(program, CL_PROGRAM_CONTEXT, sizeof(cl_context), &context, NULL);
     if (any) shared_programs_begin(context);
     if (context != shared.context) return NULL;
-    if (clGetProgramInfo(program, CL_PROGRAM_SOURCE, 0, NULL, &bytes) != CL_SUCCESS) return NULL;
+    /* One that was made of a binary has none. */
+    if (clGetProgramInfo(program, CL_PROGRAM_SOURCE, 0, NULL, &bytes) != CL_SUCCESS || bytes < 2) return NULL;
     char *source = calloc(bytes + 1, 1);
     if (source && clGetProgramInfo(program, CL_PROGRAM_SOURCE, bytes, source, NULL) == CL_SUCCESS)
         return source;
