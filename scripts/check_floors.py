@@ -42,7 +42,7 @@ host_sim/picture/*_windows.c | base/core . | libc windows
 host_sim/picture | base/core . | libc drawing
 base/plugin | abi base/core . | libc
 host_sim/scene | base/core host_sim/volume . | libc json
-host_sim/render | base/core base/opencl host_sim/volume kernels . | libc opencl
+host_sim/render | abi base/core base/opencl host_sim/volume kernels . | libc opencl
 host_sim/render/cl | . |
 base/opencl | abi base/core . | libc opencl
 base/guarded | abi base/core base/guard base/plugin base/opencl . | libc opencl

@@ -4,7 +4,7 @@
 #include "commands/run_line.h"
 #include "core/cli.h"
 #include "core/text.h"
-#include "smartvis/author_runtime.h"
+#include "smartvis/author_kept.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -16,8 +16,8 @@ enum { MOST_ARGUMENTS = 200 };
 static const char usage[] =
     "Usage: host_sim prepare [--fresh] [options of run, but for what is looked at]\n"
     "Runs one small frame, so that the kernels of host and plugin are compiled when a real one comes.\n\n"
-    "  --fresh        empties PoCL's kernel cache first: a damaged one ends whoever reads it. No\n"
-    "                 other program may be using it\n"
+    "  --fresh        empties the kernel caches first, PoCL's and SmartVis': a damaged one of PoCL's\n"
+    "                 ends whoever reads it. No other program may be using it\n"
     "  --set K=V, --plugin FILE, --guard, ...: as 'host_sim run --help' says. Each method has kernels of\n"
     "                 its own (--set method=mean)\n\n";
 
@@ -98,6 +98,7 @@ int hs_cmd_prepare(int argc, char **argv) {
     }
     arguments[count] = NULL;
     const bool named = sva_cache_folder(cache, sizeof cache);
+    if (fresh) sva_kept_empty();
     const bool ok = (!fresh || !named || empty_cache(cache, &err)) && compile(count, arguments, &code, &err);
     return ok ? (int)code : hs_cli_fail("prepare", &err);
 }

@@ -46,6 +46,8 @@ static void print_help(FILE *out) {
         "\n"
         "Environment:\n"
         "  SMARTVIS_DEVICE       cpu or gpu: narrows the choice of the OpenCL device\n"
+        "  SMARTVIS_KERNEL_CACHE folder of compiled kernels, where the OpenCL runtime keeps none\n"
+        "                        [smartvis/kernels in $XDG_CACHE_HOME or ~/.cache]; empty: none are kept\n"
         "  SMARTVIS_PLUGIN_PATH  folders, parted by '%s', in which a plugin is looked for by its name; "
         "behind\n"
         "                        them ../lib/smartvis beside the folder of host_sim",
@@ -95,7 +97,7 @@ static int run(int argc, char **argv) {
 static const char last_words[] =
     "\nhost_sim: a library ended it: the plugin, if it has no guard, or the OpenCL runtime's "
     "compiler.\n'host_sim prepare "
-    "--fresh' empties PoCL's kernel cache and compiles anew; "
+    "--fresh' empties the kernel caches and compiles anew; "
     "docs/troubleshooting.md says what else there is.\n";
 
 int main(int argc, char **argv) {

@@ -6,7 +6,7 @@
 
 #include "smartvis/author.h"
 #include "smartvis/author_objects.h"
-#include "smartvis/author_runtime.h"
+#include "smartvis/author_programs.h"
 
 SMARTVIS_BEGIN_C
 
@@ -153,17 +153,20 @@ static inline sv_status sva_cl_build(sva *a, const char *source) {
     sva_cl *cl = (sva_cl *)a->own;
     const sv_format *f = &a->format;
     const char *sources[] = {sva_cl_prelude, source};
+    const size_t bytes[] = {sizeof sva_cl_prelude - 1, strlen(source)};
     char options[200];
-    cl_int code = CL_SUCCESS;
+    sva_built built;
     (void)snprintf(options, sizeof options,
                    "-D WIDTH=%uu -D HEIGHT=%uu -D TILES_X=%uu -D TILE_W=%uu -D TILE_H=%uu -D ROW_PITCH=%uu "
                    "-D PADDING=%d",
                    (unsigned)f->width, (unsigned)f->height, (unsigned)f->tiles_x, (unsigned)f->tile_w,
                    (unsigned)f->tile_h, (unsigned)f->row_pitch, (int)a->padding);
-    cl->program = clCreateProgramWithSource(cl->context, 2, sources, NULL, &code);
-    if (code != CL_SUCCESS) return sva_cl_check(a, code, "clCreateProgramWithSource");
-    code = clBuildProgram(cl->program, 1, &cl->device, options, NULL, NULL);
-    return code == CL_SUCCESS ? SV_OK : sva_cl_tell_build(a, code);
+    sva_program_build(cl->context, cl->device, 2, sources, bytes, options, &built);
+    cl->program = built.program;
+    if (built.code != CL_SUCCESS)
+        return cl->program ? sva_cl_tell_build(a, built.code) : sva_cl_check(a, built.code, built.call);
+    if (built.why[0]) sva_say(a, SV_LOG_WARNING, "activate: %s", built.why);
+    return SV_OK;
 }
 
 /* What a method with kernels must have in its table. */

@@ -4,6 +4,7 @@
 #include "device/timing.h"
 #include "kernels_frame.h"
 #include "kernels_profile.h"
+#include "smartvis/author_programs.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -81,10 +82,14 @@ void sv_builds_release(sv_builds *builds) {
     *builds = (sv_builds){0};
 }
 
-static void note_build(sv_builds *builds, double seconds) {
+/* Why programs are not kept is told once an activation. */
+static void note_build(sv_diag *diag, sv_builds *builds, double seconds, const sva_built *built) {
     if (!builds) return;
-    builds->compiled++;
+    builds->built++;
+    builds->kept += built->kept != 0;
     builds->seconds += seconds;
+    if (built->why[0] && !builds->told) sva_say(diag, SV_LOG_WARNING, "activate: %s", built->why);
+    builds->told |= built->why[0] != '\0';
 }
 
 /* Compiles one source with the options every program has, then `own`; or takes what was compiled so before.
@@ -103,13 +108,14 @@ static sv_status compile(sv_diag *diag, const sv_device *device, const unsigned 
     *kept = *out != NULL;
     if (*kept) return SV_OK;
     const char *text = (const char *)source;
-    cl_int code = CL_SUCCESS;
-    *out = clCreateProgramWithSource(device->context, 1, &text, &length, &code);
-    if (code != CL_SUCCESS) return sva_cl_check(diag, code, "clCreateProgramWithSource");
+    sva_built built;
     const double begun = sv_seconds();
-    code = clBuildProgram(*out, 1, &device->device, options, NULL, NULL);
-    note_build(device->builds, sv_seconds() - begun);
-    if (code != CL_SUCCESS) return report_build(diag, device, *out, code);
+    sva_program_build(device->context, device->device, 1, &text, &length, options, &built);
+    *out = built.program;
+    note_build(diag, device->builds, sv_seconds() - begun, &built);
+    if (built.code != CL_SUCCESS)
+        return *out ? report_build(diag, device, *out, built.code)
+                    : sva_cl_check(diag, built.code, built.call);
     *kept = keep_build(device->builds, source, options, *out);
     return SV_OK;
 }

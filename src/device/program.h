@@ -16,8 +16,10 @@ typedef struct {
 struct sv_builds {
     sv_build of[SV_MAX_BUILDS];
     uint32_t count;
-    uint32_t compiled; /* programs, */
-    double seconds;    /* which took so long by the wall clock */
+    uint32_t built; /* programs, */
+    uint32_t kept;  /* of which so many came from files, */
+    double seconds; /* in so long by the wall clock */
+    bool told;      /* why not more are kept */
 };
 
 /* Releases the programs; their kernels stay. A zeroed struct may be passed. */

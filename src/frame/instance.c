@@ -4,6 +4,7 @@
 #include "device/host_state.h"
 #include "frame/selftest.h"
 
+#include <stdio.h>
 #include <unistd.h>
 
 /* Volumes beyond this do not stay in a CPU's caches from one frame to the next. */
@@ -78,12 +79,14 @@ static sv_status build_kernels(sv_instance *in, const sv_config *config, const s
     return build_and_test(in, config, activated, 16);
 }
 
-/* For who waits: a driver that keeps what it compiled needs a hundredth of the time the next time. */
+/* For who waits: where programs are kept, the next time needs a hundredth of the time. */
 static void tell_times(const sv_instance *in, double seconds) {
+    char kept[40] = "";
+    if (in->builds.kept > 0) (void)snprintf(kept, sizeof kept, ", %u of them kept in files", in->builds.kept);
     sva_say(in->diag, SV_LOG_INFO,
-            "activate: %.2f s; of it %.2f s for building %u programs, the rest for the first run of their "
+            "activate: %.2f s; of it %.2f s for building %u programs%s, the rest for the first run of their "
             "kernels",
-            seconds, in->builds.seconds, in->builds.compiled);
+            seconds, in->builds.seconds, in->builds.built, kept);
 }
 
 /* Kernels, self-tests and buffers, on an open device. */

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # test_kernel_cache.sh SOURCE_FOLDER BUILD_FOLDER: what PoCL's kernel cache can do to its host. One that cannot be written, or whose disk
 # is full, is told before anything is compiled, with its folder; a damaged one, that a library ended the program and what helps;
-# 'prepare --fresh' makes it good and touches nothing else there.
+# 'prepare --fresh' makes it good and touches nothing else there, nor where SmartVis keeps kernels itself.
 set -u
 build=$2
 host_sim=$build/host_sim
@@ -34,7 +34,12 @@ expect 0 "" prepare --fresh
 holds test -d "$work/cache/mine"
 holds test -f "$work/elsewhere/file"
 holds test ! -e "$work/cache/AB"
-expect 0 "" "${run[@]}"
-expect 2 "is not one of mean, minimum" prepare --set method=nonsense
+# What SmartVis would keep itself, and cannot, is told once, and all works.
+SMARTVIS_KERNEL_CACHE=$work/file/kept expect 0 "$work/file/kept cannot be opened: Not a directory; SMARTVIS_KERNEL_CACHE" "${run[@]}"
+holds test "$(grep -cF "kernels are compiled anew each time" "$work/stderr")" = 1
+mkdir -m 700 "$work/kept" && : > "$work/kept/0123456789abcdef.kernels" && : > "$work/kept/mine"
+SMARTVIS_KERNEL_CACHE=$work/kept expect 2 "is not one of mean, minimum" prepare --fresh --set method=nonsense
+holds test ! -e "$work/kept/0123456789abcdef.kernels"
+holds test -f "$work/kept/mine"
 echo "$checked checked, $failed failed"
 [ "$failed" = 0 ]

@@ -31,11 +31,11 @@ for header in "$source_dir"/include/smartvis/*.h; do
     name=$(basename "$header" .h)
     : > "$name.c"
     # These say that they need OpenCL's header before them.
-    [[ ! $name =~ ^(device|author_(cl|objects|device|rehearsal))$ ]] ||
+    [[ ! $name =~ ^(device|author_(cl|objects|programs|device|rehearsal))$ ]] ||
         printf '#define CL_TARGET_OPENCL_VERSION 120\n#include <CL/cl.h>\n' > "$name.c"
     printf '#include "smartvis/%s.h"\n#include "smartvis/%s.h"\nextern int %s_compiles;\n' "$name" "$name" "$name" >> "$name.c"
     cp "$name.c" "$name.cpp"
-    if [[ $name =~ ^author_(method|checks|calls|runtime|objects|device|rehearsal)$ ]]; then parts+=("$name"); else headers+=("$name"); fi
+    if [[ $name =~ ^author_(method|checks|calls|runtime|kept|programs|objects|device|rehearsal)$ ]]; then parts+=("$name"); else headers+=("$name"); fi
 done
 
 failures=0
