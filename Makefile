@@ -44,6 +44,8 @@ KERNELS := -DSV_TEST_CACHE=$(CURDIR)/build/pocl_cache
 RUNTIME_TESTS := $(shell sed -n 's/^tests //p' scripts/runtimes.txt)
 empty :=
 INTEL_TESTS := ^check/test_($(subst $(empty) $(empty),|,$(RUNTIME_TESTS)))$$
+# Intel's kernels are kept for this run alone.
+INTEL_CACHE := $(CURDIR)/build/intel/cache
 
 .NOTPARALLEL:
 .PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-runtimes test-slicer peers test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
@@ -132,8 +134,9 @@ test-intel: # the frames of `make test` on Intel's OpenCL for CPUs, from PyPI: a
 	@$(call build,build)
 	@mkdir -p build/intel && scripts/python_env.sh build/intel python/requirements-intel.txt
 	@readlink -f build/intel/lib/libintelocl.so > build/intel/intel.icd
-	@bash tests/sdk/check/second_runtime.sh build build/intel/intel.icd
-	@OCL_ICD_VENDORS=$(CURDIR)/build/intel/intel.icd ctest --test-dir build --output-on-failure -R '$(INTEL_TESTS)'
+	@rm -rf $(INTEL_CACHE)
+	@XDG_CACHE_HOME=$(INTEL_CACHE) POCL_CACHE_DIR=$(CURDIR)/build/pocl_cache bash tests/sdk/check/second_runtime.sh build build/intel/intel.icd
+	@XDG_CACHE_HOME=$(INTEL_CACHE) OCL_ICD_VENDORS=$(CURDIR)/build/intel/intel.icd ctest --test-dir build --output-on-failure -R '$(INTEL_TESTS)'
 
 test-runtimes: # the same on PoCL 6 and 7, from newer Debian suites: out/runtimes (needs namespaces)
 	@$(SETUP) $(PACKAGES)
