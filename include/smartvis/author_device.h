@@ -25,6 +25,7 @@ typedef struct sva_cl {
     cl_mem staged_slab, staged_scanned, stats;
     cl_mem scanned; /* of the frame, or NULL without ranges */
     cl_ulong scanned_offset;
+    size_t group[2]; /* rays that PoCL computes on one stack; 0: the runtime chooses */
     uint32_t settle; /* index of sva_settle; sva_outcome comes behind it */
     cl_mem buffers[SVA_CL_OBJECTS];
     cl_kernel kernels[SVA_CL_OBJECTS]; /* in the order of sva_cl_open */
@@ -130,6 +131,20 @@ static inline sv_status sva_cl_find_device(sva *a) {
     return sva_error(a, SV_ERR_NO_DEVICE, "activate: %s", devices.why);
 }
 
+/* A CPU's thread keeps what a group's kernels hold, an array of their own among it, on its stack. Groups as
+ * the runtime chooses them have up to 4096 rays. */
+static inline void sva_cl_choose_group(sva *a) {
+    const uint32_t most = 32;
+    sva_cl *cl = (sva_cl *)a->own;
+    cl_device_type type = 0;
+    cl->group[0] = cl->group[1] = 0;
+    (void)clGetDeviceInfo(cl->device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
+    if (!(type & CL_DEVICE_TYPE_CPU)) return;
+    cl->group[0] = a->format.width < most ? a->format.width : most;
+    cl->group[1] = 1;
+    while (a->format.width % cl->group[0] != 0) cl->group[0]--;
+}
+
 /* Tells the host's log what the compiler said, cut to 4,000 characters, line by line; the first error is the
  * reason. */
 static inline sv_status sva_cl_tell_build(sva *a, cl_int code) {
@@ -193,6 +208,7 @@ static inline sv_status sva_cl_open(sva *a, const char *source, const char *cons
     if (s != SV_OK) return s;
     sva_handlers_keep(&host); /* a compiler takes them, too */
     s = sva_cl_find_device(a);
+    if (s == SV_OK) sva_cl_choose_group(a);
     if (s == SV_OK) s = sva_cl_build(a, source);
     sva_handlers_put_back(&host);
     for (uint32_t i = 0; i < count && s == SV_OK; i++) s = sva_cl_kernel(a, kernels[i]);
@@ -270,8 +286,8 @@ static inline sv_status sva_cl_set(sva *a, uint32_t kernel, uint32_t at, const s
 static inline sv_status sva_cl_enqueue(sva *a, uint32_t kernel) {
     sva_cl *cl = (sva_cl *)a->own;
     const size_t all[2] = {a->format.width, a->format.height};
-    const cl_int code =
-        clEnqueueNDRangeKernel(cl->queue, cl->kernels[kernel], 2, NULL, all, NULL, 0, NULL, NULL);
+    const cl_int code = clEnqueueNDRangeKernel(cl->queue, cl->kernels[kernel], 2, NULL, all,
+                                               cl->group[0] ? cl->group : NULL, 0, NULL, NULL);
     return sva_cl_tell_kernel(a, kernel, code, "clEnqueueNDRangeKernel");
 }
 

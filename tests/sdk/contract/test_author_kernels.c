@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What author_cl.h says of a method that leaves a line of its table out, or names a kernel that its source
- * does not have; and that texts have a decimal point where the host's locale has a comma.
+ * does not have; that a kernel may have large arrays of its own; and that texts have a decimal point where
+ * the host's locale has a comma.
  */
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -11,12 +12,20 @@
 
 #include <locale.h>
 
-enum { WIDTH = 8, HEIGHT = 4, SLICES = 6, FIND = 0, PLACE, KERNELS };
+enum { WIDTH = 64, HEIGHT = 64, SLICES = 6, FIND = 0, PLACE, KERNELS };
 
-static const char source[] = "kernel void find(SVA_SLAB, global uint *rays) { }\n"
-                             "kernel void place(global uint *rays, global float *depth) {\n"
-                             "    depth[get_global_id(1) * WIDTH + get_global_id(0)] = 2.0f;\n"
-                             "}\n";
+static const char source[] =
+    "kernel void find(SVA_SLAB, global uint *rays) { }\n"
+    "kernel void deep(SVA_SLAB, global uint *rays) {\n"
+    "    const size_t at = get_global_id(1) * WIDTH + get_global_id(0);\n"
+    "    uint kept[4000];\n"
+    "    for (uint i = 0; i < 4000; i++) kept[i] = rays[(at + i) % (WIDTH * HEIGHT)];\n"
+    "    for (uint i = 1; i < 4000; i++) kept[kept[i - 1] % 4000] += i;\n"
+    "    rays[at] = kept[at % 4000];\n"
+    "}\n"
+    "kernel void place(global uint *rays, global float *depth) {\n"
+    "    depth[get_global_id(1) * WIDTH + get_global_id(0)] = 2.0f;\n"
+    "}\n";
 static const char *wanted; /* what the method calls its first kernel */
 static uint32_t place_args;
 
@@ -123,6 +132,13 @@ static void kernels_are_named(void **state) {
     assert_non_null(strstr(said, "clEnqueueNDRangeKernel of kernel place: CL_INVALID_KERNEL_ARGS (-52)"));
 }
 
+/* 16 KB a ray, 64 MB for all of them: more than a thread's stack. */
+static void a_kernel_has_large_arrays(void **state) {
+    wanted = "deep";
+    place_args = 2;
+    assert_string_equal(run(&whole), "");
+}
+
 /* Takes a locale with a comma, which is made where the system has the sources of its own. */
 static int take_comma(char *folder) {
     char command[200];
@@ -173,4 +189,5 @@ static void a_comma_stays_outside(void **state) {
 }
 
 UNIT_MAIN_OF(NULL, NULL, cmocka_unit_test(a_line_left_out_is_named), cmocka_unit_test(kernels_are_named),
+             cmocka_unit_test(a_kernel_has_large_arrays),
              cmocka_unit_test(a_device_that_is_not_there_is_told), RIG_TEST(a_comma_stays_outside))
