@@ -125,20 +125,19 @@ static void launch_view(hs_launch *launch, const ray_view *v) {
 
 /*
  * Runs a kernel over the picture, a work item a packet of pixels (cl/base.cl); does not wait.
- * CPU: a work item renders 4 x 4 pixels (PACKET_W, PACKET_H in cl/base.cl), a work group a stripe of them:
- * long enough to cost nothing, short enough that no core waits for another. GPU: a square of pixels, whose
- * rays stay close.
+ * CPU: a work item renders 4 x 4 pixels (PACKET_W, PACKET_H in cl/base.cl) and is a group of its own: PoCL
+ * keeps the variables of a whole group on a thread's stack, 26 KB an item of render_lit. GPU: a square of
+ * pixels, whose rays stay close.
  */
 static bool launch_picture(const hs_launch *launch, const hs_dvr_settings *settings, cl_event *event,
                            hs_error *err) {
     const bool packets = launch->cl->lanes > 1;
-    const size_t edge = packets ? 4 : 1;
-    const size_t local[2] = {packets ? 32 : 8, packets ? 1 : 8};
-    const size_t picture[2] = {settings->width, settings->height};
+    const size_t edge = packets ? 4 : 1, group = packets ? 1 : 8;
+    const size_t local[2] = {group, group}, picture[2] = {settings->width, settings->height};
     size_t global[2];
     for (int k = 0; k < 2; k++) {
         size_t items = (picture[k] + edge - 1) / edge;
-        global[k] = (items + local[k] - 1) / local[k] * local[k];
+        global[k] = (items + group - 1) / group * group;
     }
     return hs_launch_run(launch, 2, global, local, event, err);
 }

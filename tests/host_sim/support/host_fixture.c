@@ -2,6 +2,7 @@
 #include "support/host_fixture.h"
 
 #include <math.h>
+#include <pthread.h>
 
 double test_uniform(test_random *random, double low, double high) {
     return low + (high - low) * ((double)unit_random(&random->state) / 4294967295.0);
@@ -101,9 +102,18 @@ test_slabs test_convert(const hs_cl *cl, const hs_volume *volume, const hs_camer
     return out;
 }
 
+/* The runtime's threads have as little stack as where users may give 512 KiB. */
+static bool take_small_stacks(void) {
+    pthread_attr_t small;
+    const bool taken = pthread_attr_init(&small) == 0 && pthread_attr_setstacksize(&small, 512 << 10) == 0 &&
+                       pthread_setattr_default_np(&small) == 0;
+    return pthread_attr_destroy(&small) == 0 && taken;
+}
+
 static int test_open_lanes(void **state, uint32_t lanes) {
     static hs_cl cl;
     hs_error err = {HS_OK, ""};
+    if (!take_small_stacks()) return -1;
     if (!hs_cl_open_lanes(&cl, lanes, &err)) {
         print_error("%s\n", err.text);
         return -1;
