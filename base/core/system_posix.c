@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -98,10 +99,36 @@ bool sys_program(char *path, size_t bytes) {
     return length > 0;
 }
 
+enum { STACK_ENOUGH = 2 << 20, STACK_LEAST = 512 << 10, EXIT_MEMORY = 7 };
+
+/* The runtime compiles and computes on this stack and on those of its threads, which have by default what the
+ * user's limit says. */
+static void take_stacks(void) {
+    struct rlimit main_thread;
+    pthread_attr_t others;
+    size_t bytes = 0;
+    if (getrlimit(RLIMIT_STACK, &main_thread) == 0 && main_thread.rlim_cur < STACK_ENOUGH) {
+        const rlim_t most = main_thread.rlim_max;
+        main_thread.rlim_cur = most < STACK_ENOUGH ? most : STACK_ENOUGH;
+        if (most < STACK_LEAST) {
+            (void)fprintf(stderr, "This process may take %llu KiB of stack (ulimit -s), %d are needed.\n",
+                          (unsigned long long)most >> 10, STACK_LEAST >> 10);
+            _Exit(EXIT_MEMORY);
+        }
+        (void)setrlimit(RLIMIT_STACK, &main_thread);
+    }
+    if (pthread_getattr_default_np(&others) != 0) return;
+    if (pthread_attr_getstacksize(&others, &bytes) == 0 && bytes < STACK_ENOUGH &&
+        pthread_attr_setstacksize(&others, STACK_ENOUGH) == 0)
+        (void)pthread_setattr_default_np(&others);
+    (void)pthread_attr_destroy(&others);
+}
+
 char **sys_arguments(int *count, char **argv) { /* NOLINT(readability-non-const-parameter) */
     (void)count;
     for (int file = 0; file <= 2; file++) /* open takes the lowest that is free */
         if (fcntl(file, F_GETFD) < 0) (void)!open("/dev/null", O_RDWR);
+    take_stacks();
     return argv;
 }
 

@@ -50,9 +50,11 @@ typedef struct sv_ext_needs {
      * Slabs of one buffer may share commands, and ranges and depths in objects need fewer.
      *
      * Bytes are those between activate and deactivate. While activate runs, a self-test may take some of its
-     * own before the rest is there. Fills *out as far as out->size goes. Errors are those that activate and
-     * begin have for the same, but for memory that a device does not have; SV_ERR_SIZE for `device` or `out`,
-     * SV_ERR_ARGUMENT for NULL, unknown flags and no compute units. */
+     * own before the rest is there. Threads are not counted: with a CPU as the device, kernels are compiled
+     * and run on those of the host and of the runtime, with 512 KiB of stack each. Fills *out as far as
+     * out->size goes. Errors are those that activate and begin have for the same, but for memory that a
+     * device does not have; SV_ERR_SIZE for `device` or `out`, SV_ERR_ARGUMENT for NULL, unknown flags and no
+     * compute units. */
     sv_status(SV_CALL *of)(const sv_plugin *plugin, const sv_format *format, const sv_param_value *values,
                            uint32_t value_count, const sv_needs_device *device, sv_needs *out);
 } sv_ext_needs;
