@@ -10,7 +10,9 @@ import json
 import logging
 import math
 import os
+import signal
 import sys
+import threading
 from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -234,6 +236,8 @@ def command_serve(args: argparse.Namespace) -> int:
         why = getattr(error, "strerror", None) or error
         raise ValueError(f"--host {args.host} --port {args.port}: {why}") from None
     host, port = server.server_address[:2]
+    if threading.current_thread() is threading.main_thread():  # a container's first process is ended by nothing else
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(OK))
     shown = f"[{host!s}]" if ":" in str(host) else str(host)
     print(f"smartvis: listening at {shown}:{port}; Ctrl-C ends it", flush=True)
     with server:

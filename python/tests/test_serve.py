@@ -303,11 +303,12 @@ def command(*options: str):
         process.communicate()
 
 
-def test_the_command_serves_and_ends() -> None:
-    with command("--method", "wall") as (process, number):
-        serves(number)
-        process.send_signal(signal.SIGINT)
-        assert process.wait(LONG) == 130
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 0)])
+def test_the_command_serves_and_ends(number: signal.Signals, code: int) -> None:
+    with command("--method", "wall") as (process, port):
+        serves(port)
+        process.send_signal(number)
+        assert process.wait(LONG) == code
 
 
 def high_water(pid: int) -> int:
