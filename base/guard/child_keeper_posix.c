@@ -5,6 +5,7 @@
 #include "guard/child_system.h"
 
 #include <fcntl.h>
+#include <limits.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -77,7 +78,7 @@ static void be_worker(pid_t keeper, const sigset_t *before) {
 
 bool hs_child_is_channel(intptr_t handle) {
     struct stat facts;
-    return fstat((int)handle, &facts) == 0 && S_ISSOCK(facts.st_mode);
+    return handle <= INT_MAX && fstat((int)handle, &facts) == 0 && S_ISSOCK(facts.st_mode);
 }
 
 void hs_child_settle(intptr_t handle) {
