@@ -48,7 +48,7 @@ INTEL_TESTS := ^check/test_($(subst $(empty) $(empty),|,$(RUNTIME_TESTS)))$$
 INTEL_CACHE := $(CURDIR)/build/intel/cache
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night test-intel test-runtimes test-slicer peers test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night soak test-intel test-runtimes test-slicer peers test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -128,6 +128,13 @@ test-night: # what takes long and proves little more than `make test` does
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
 	@$(call build,build)
 	@scripts/run_tests.sh build $(JOBS) night
+
+soak: # SOAK (--frames 200000 --seconds 3600 --volumes 50000) of a scan loop, a console and serve: what they hold is flat; out/soak/soak.svg
+	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
+	@$(call build,build,,host_sim smartvis soak_frames)
+	@$(call step,environment) bash tests/python/environment.sh . build python3
+	@POCL_CACHE_DIR=$(CURDIR)/build/pocl_cache SMARTVIS_HOST_SIM=$(CURDIR)/build/host_sim \
+	  build/python/venv/bin/python -B -P tests/soak/soak.py build $(OUT)/soak $(SOAK)
 
 test-intel: # the frames of `make test` on Intel's OpenCL for CPUs, from PyPI: an hour, most of it compiling
 	@$(SETUP) $(PACKAGES) $(PYTHON_PACKAGES)
