@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import gzip
+import os
 import re
 import struct
 import zlib
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ._errors import FileError
@@ -59,6 +61,11 @@ def check(path: Path) -> None:
     if not kind and not name.endswith(tuple(ending for endings in _NAMES.values() for ending in endings)):
         listed = ", ".join([*list(_NAMES)[:3], *list(_NAMES)[4:]])
         raise FileError(f"{path}: is none of {listed}, DICOM and Kretz, which are read")
+    {"VTK": _check_vtk, "TIFF": _check_tiff}.get(kind, _no_more)(path)
+
+
+def _no_more(path: Path) -> None:
+    """The reader sees the rest."""
 
 
 def _kind(path: Path, head: bytes) -> str:
@@ -93,7 +100,38 @@ def _of_bytes(path: Path, head: bytes) -> str:
     return next((kind for mark, kind in _MARKS if re.match(mark, head, re.DOTALL)), "")
 
 
-def check_vtk(path: Path) -> None:
+def _check_tiff(path: Path) -> None:
+    """FileError: its pages never end. Whatever else is wrong is told by who reads them."""
+    if in_circle(pages_of_tiff(path)):
+        raise FileError(f"{path}: its pages lead in a circle: the file is damaged")
+
+
+def in_circle(places: Iterable[int]) -> bool:
+    """One of them comes again."""
+    known: set[int] = set()
+    return any(place in known or known.add(place) for place in places)  # type: ignore[func-returns-value]
+
+
+def pages_of_tiff(path: Path) -> Iterator[int]:
+    """Where the directories of its pages begin, as each leads to the next, as far as they are there."""
+    with open(path, "rb") as file:
+        head = file.read(16)
+        order = "<" if head[:2] == b"II" else ">"
+        large = 43 in head[2:4]  # BigTIFF
+        place, count, entry = (f"{order}Q", f"{order}Q", 20) if large else (f"{order}I", f"{order}H", 12)
+        try:
+            (at,) = struct.unpack_from(place, head, 8 if large else 4)
+            while at:
+                yield at
+                file.seek(at)
+                (entries,) = struct.unpack(count, file.read(struct.calcsize(count)))
+                file.seek(entry * entries, os.SEEK_CUR)
+                (at,) = struct.unpack(place, file.read(struct.calcsize(place)))
+        except (struct.error, OSError, OverflowError):
+            return
+
+
+def _check_vtk(path: Path) -> None:
     """FileError: its values belong to cells. SimpleITK takes them for those of points, of which each row has one
     more."""
     with open(path, "rb") as file:

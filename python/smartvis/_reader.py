@@ -73,8 +73,6 @@ class Reader:
             self.count = len(self._dicom)
             return
         _content.check(self.path)
-        if self.path.suffix.lower() == ".vtk":
-            _content.check_vtk(self.path)
         self._fields = _header(self.path)
         _geometry.check_marks(self.path, self._fields)
         self._scale = _geometry.unit(self.path, self._fields)

@@ -2,6 +2,7 @@
 """The table of what users have, in Python: every kind of file is clipped as the plain one is, or refused in one true
 sentence. test_doors has it at every door."""
 
+import itertools
 import locale
 import os
 import subprocess
@@ -12,13 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK as sitk
+import tifffile
 from conftest import LONG, host
 from makers import SPACING, nrrd, written
 from makers_dicom import by_table
 from users import NAMES, RIGHT, SAID, expected
 
 import smartvis
-from smartvis import _images, _process
+from smartvis import _content, _images, _process
 from smartvis._files import Source
 from smartvis.cli import main
 
@@ -166,3 +168,13 @@ def test_a_fill_value_far_away_costs_no_bins(tmp_path: Path, scan: np.ndarray) -
     command = ["clip", str(tmp_path / "wide.nrrd"), "--out", str(tmp_path), "--write", "mesh", "--window", "0,255"]
     assert main(command) == 0
     assert (tmp_path / "wide_mesh.ply").stat().st_size > 10_000
+
+
+def test_pages_that_never_end_are_noticed(tmp_path: Path, scan: np.ndarray) -> None:
+    """No file that keeps a library busy is made here."""
+    for large in (False, True):
+        tifffile.imwrite(tmp_path / "scan.tif", scan[:4], bigtiff=large)
+        pages = list(_content.pages_of_tiff(tmp_path / "scan.tif"))
+        assert pages == [page.offset for page in tifffile.TiffFile(tmp_path / "scan.tif").pages]
+        assert not _content.in_circle(pages) and _content.in_circle([*pages, pages[-1]])
+        assert _content.in_circle(itertools.cycle(pages))
