@@ -29,3 +29,13 @@ endforeach()
 
 # The Python package; see there.
 add_subdirectory(python)
+
+# Every program, the package's among them, on machines that are not as they should be.
+if(NOT SV_SANITIZE)
+  set(SV_TEST_PART house)
+  set(script ${CMAKE_CURRENT_SOURCE_DIR}/house/fault/machines.py)
+  sv_register_test(test_machines fault ${script} ${SV_PYTHON} -B ${script} ${CMAKE_BINARY_DIR})
+  foreach(test fault/test_machines fault/test_machines_night)
+    set_tests_properties(${test} PROPERTIES FIXTURES_REQUIRED python_environment COST 30)
+  endforeach()
+endif()

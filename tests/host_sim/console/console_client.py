@@ -16,9 +16,9 @@ SIZE = 64  # voxels: what is tested is the console, not the loop
 class Console:
     """host_sim console with these arguments."""
 
-    def __init__(self, build, arguments=(), err=None):
+    def __init__(self, build, arguments=(), err=None, by=(), **more):
         program = os.path.join(build, "host_sim")
-        self.process = subprocess.Popen([program, "console", *arguments], stdout=subprocess.PIPE, stderr=err, text=True)
+        self.process = subprocess.Popen([*by, program, "console", *arguments], stdout=subprocess.PIPE, stderr=err, text=True, **more)
         line = self.process.stdout.readline()
         assert line.startswith("Console  http://"), f"the console said '{line}'"
         self.address = line.split()[1]
