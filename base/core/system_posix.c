@@ -124,11 +124,38 @@ static void take_stacks(void) {
     (void)pthread_attr_destroy(&others);
 }
 
+static void (*last_work)(void);
+
+/* Calls what a handler may call only, then lets the signal do what it does: nothing to the first process of a
+ * container, which ends by itself. */
+static void end(int number) {
+    if (last_work) last_work();
+    (void)signal(number, SIG_DFL);
+    (void)raise(number);
+    if (getpid() == 1) _Exit(128 + number);
+}
+
+static void hear_the_end(void) {
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        struct sigaction now;
+        const struct sigaction ours = {.sa_handler = end};
+        if (sigaction(numbers[i], NULL, &now) == 0 && now.sa_handler == SIG_DFL)
+            (void)sigaction(numbers[i], &ours, NULL);
+    }
+}
+
+void sys_when_ended(void (*clean_up)(void)) {
+    last_work = clean_up;
+    hear_the_end();
+}
+
 char **sys_arguments(int *count, char **argv) { /* NOLINT(readability-non-const-parameter) */
     (void)count;
     for (int file = 0; file <= 2; file++) /* open takes the lowest that is free */
         if (fcntl(file, F_GETFD) < 0) (void)!open("/dev/null", O_RDWR);
     take_stacks();
+    if (getpid() == 1) hear_the_end();
     return argv;
 }
 
@@ -175,26 +202,6 @@ void sys_set_default(const char *name, const char *value) {
 void sys_end_at_fault(void) {
     const struct rlimit none = {0, 0};
     (void)setrlimit(RLIMIT_CORE, &none);
-}
-
-static void (*last_work)(void);
-
-/* Calls what a handler may call only, then lets the signal do what it does. */
-static void end(int number) {
-    last_work();
-    (void)signal(number, SIG_DFL);
-    (void)raise(number);
-}
-
-void sys_when_ended(void (*clean_up)(void)) {
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    last_work = clean_up;
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        struct sigaction now;
-        const struct sigaction ours = {.sa_handler = end};
-        if (sigaction(numbers[i], NULL, &now) == 0 && now.sa_handler == SIG_DFL)
-            (void)sigaction(numbers[i], &ours, NULL);
-    }
 }
 
 static const char *volatile last_words;

@@ -236,7 +236,7 @@ def command_serve(args: argparse.Namespace) -> int:
         why = getattr(error, "strerror", None) or error
         raise ValueError(f"--host {args.host} --port {args.port}: {why}") from None
     host, port = server.server_address[:2]
-    if threading.current_thread() is threading.main_thread():  # a container's first process is ended by nothing else
+    if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(OK))
     shown = f"[{host!s}]" if ":" in str(host) else str(host)
     print(f"smartvis: listening at {shown}:{port}; Ctrl-C ends it", flush=True)
@@ -417,6 +417,8 @@ def run(command: Callable[[], int] = main) -> NoReturn:
     for name, number in (("stdout", 1), ("stderr", 2)):
         if getattr(sys, name) is None:  # Python has none where its descriptor was closed
             setattr(sys, name, os.fdopen(number, "w", closefd=False))
+    # Results are left as when Ctrl-C ends it; a container's first process would not hear it at all.
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     os.environ["PYTHONSAFEPATH"] = "1"  # workers run nothing of the folder where the user stands
     # The plugin's errors come as exceptions, too.
     logging.getLogger("smartvis.plugin").addFilter(lambda record: record.levelno < logging.ERROR)

@@ -2,7 +2,7 @@
 """machines.py BUILD [MACHINE [PROGRAM]]: every program on machines that are not as its author's was. What it does there is right, to the bits of the plain
 machine; or it is told: a sentence and an exit code of its own, no trace, no signal, and no plugin found wrong that is right. Where a
 machine should change nothing, it must be right. All such machines are tried as one; at night (SV_NIGHT) each by itself, and with every
-program."""
+program. As a container's first process each is ended by SIGTERM."""
 
 import contextlib
 import json
@@ -16,6 +16,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "host_sim/console"))
@@ -240,6 +241,27 @@ def serve(machine, work, _):
         return (code, told, made) if made else (5, told, None)
 
 
+def not_ended(by, work):
+    """Of programs with work for long, those that SIGTERM does not end where they are a container's first process, with what became of them."""
+    (work / "many").mkdir()
+    for number in range(60):
+        shutil.copy(work / "scan.mha", work / f"many/{number}.mha")
+    smartvis, many = [PYTHON, "-P", "-m", "smartvis"], sorted((work / "many").iterdir())
+    busy = {"run": [BUILD / "host_sim", "run", "--scene", "E01", "--size", "32", "--frames", "100000", "--picture", "32", "--few-pictures"],
+            "smartvis clip": [*smartvis, "clip", *many], "smartvis batch": [*smartvis, "batch", work / "many", "--workers", "1"]}
+    for program, command in busy.items():
+        out = work / f"ended {program}"
+        with subprocess.Popen([*by, *command, "--out", out], cwd=work, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as first:
+            until = time.monotonic() + SECONDS
+            while first.poll() is None and time.monotonic() < until:
+                time.sleep(0.2)  # before it listens, it does not hear
+                for child in children(first.pid) if out.exists() else []:
+                    os.kill(child, signal.SIGTERM)
+            first.kill()
+        if first.returncode != 128 + signal.SIGTERM:
+            yield program, f"as the first process it ended with {first.returncode}, expected {128 + signal.SIGTERM}"
+
+
 def children(pid):
     with contextlib.suppress(OSError):
         return [int(one) for one in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
@@ -318,6 +340,9 @@ def main():
                     failed += 1
                     print(f"FAIL: {machine.name}: {program}: {wrong}")
             print(machine.name.ljust(width) + "  ".join(row), flush=True)
+        for program, wrong in not_ended(first, work) if (first := first_process()) and ONLY is None else ():
+            failed += 1
+            print(f"FAIL: {program}: {wrong}")
         if (work / "TRAPPED").exists():
             failed += 1
             print(f"FAIL: a program has run Python of its working folder: {(work / 'TRAPPED').read_text()}")
