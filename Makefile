@@ -15,6 +15,8 @@ PART ?=
 # How long `make fuzz` gives each of its targets; one runs for each processor.
 FUZZ_SECONDS ?= 600
 FUZZ_SEED ?= 0
+# `make dist`: with 1 it is made twice, in different folders, and has to be the same to the bit.
+TWICE ?=
 # Real scans for the demo, if there are any: `make example-scan` fetches one.
 DATA ?= $(firstword $(wildcard ../shared/data $(OUT)/example))
 # Folders of volumes of other programs with their truth, for `make sites` and `make surface-page`.
@@ -63,8 +65,9 @@ install: ## install to PREFIX (/usr/local), below DESTDIR if that is given
 	@$(call build,build,,installed)
 	@DESTDIR='$(DESTDIR)' $(call step,install) cmake --install build --prefix '$(PREFIX)'
 
-dist: # the committed sources as out/dist/smartvis-VERSION.tar.gz; the same commit gives the same bytes
-	@scripts/dist.sh $(OUT)/dist
+dist: # what a release of the commit consists of: sources, Debian packages, wheel, zip for Windows, SPDX, sums: out/dist
+	@$(SETUP) $(PACKAGES) $(DEB_PACKAGES) $(PYTHON_PACKAGES) $(WINDOWS_PACKAGES)
+	@scripts/release.sh $(OUT)/dist $(if $(TWICE),again)
 
 deb: # Debian packages of the committed sources, looked over by lintian: out/deb
 	@$(SETUP) $(PACKAGES) $(DEB_PACKAGES)

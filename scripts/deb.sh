@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# deb.sh FOLDER: Debian packages of the checked-out commit in FOLDER, source and binary, built from `make dist` as a packager
+# deb.sh FOLDER: Debian packages of the checked-out commit in FOLDER, source and binary, built from scripts/dist.sh as a packager
 # would. lintian reads them; an error of its fails. The tests are not run once more here: `make test` does.
 set -eu
 folder=$1

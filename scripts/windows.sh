@@ -4,40 +4,16 @@
 # wine, on this machine's OpenCL: the hosts of the examples print with the plugin, and with plugins made of the template and in C++, what they print
 # on Linux. BUILD_FOLDER is a build of this machine.
 set -eu -o pipefail
-build=$(realpath "$1")
-mkdir -p "$2"
-out=$(realpath "$2")
-cd "$(dirname "$0")/.."
-root=$out/root
 [ -d /usr/lib/wine ] || { echo "windows: no wine here; see scripts/packages-windows.txt" >&2; exit 1; }
+build=$(realpath "$1")
+source "$(dirname "$0")/windows_build.sh" "$2"
 
-# OpenCL for the linker: the names that this machine's loader exports are those of OpenCL.dll; the headers are the same, too.
-mkdir -p "$root/lib" "$root/include"
-cp -rL /usr/include/CL "$root/include"
-loader=$(ldconfig -p | awk '$1 == "libOpenCL.so.1" && !n++ { print $NF }')
-{
-    printf 'LIBRARY OpenCL.dll\nEXPORTS\n'
-    nm -D --defined-only "$loader" | awk '$3 ~ /^cl[A-Z]/ { sub(/@.*/, "", $3); print $3 }' | sort -u
-} > "$root/OpenCL.def"
-x86_64-w64-mingw32-dlltool -d "$root/OpenCL.def" -l "$root/lib/libOpenCL.a"
-
-cross() { # cross SOURCE FOLDER ARGUMENT...: configures and builds; CMake's own output only if it fails
-    local log
-    log=$(cmake -S "$1" -B "$out/$2" -G Ninja -D "CMAKE_TOOLCHAIN_FILE=$PWD/cmake/x86_64-windows.cmake" -D "SV_WINDOWS_ROOT=$root" \
-        -D CMAKE_BUILD_TYPE=Release "${@:3}" 2>&1 && cmake --build "$out/$2" 2>&1) || { echo "$log"; exit 1; }
-    if grep -E 'warning:' <<< "$log"; then echo "windows: warnings in $1" >&2; exit 1; fi
-}
-scripts/windows_libraries.sh "$root" & # which waits for a network
-libraries=$!
 # An example in C++ for this machine, to compare with.
 cmake -S examples/cpp -B "$out/cpp_here" -G Ninja -D "CMAKE_PREFIX_PATH=$build" > /dev/null
 cmake --build "$out/cpp_here" > /dev/null
 # The plugin alone, as docs/systems.md has it, is what the examples are built against.
 cross . alone -D SV_PLUGIN_ONLY=ON
 cmake --install "$out/alone" --prefix "$out/sdk" > "$out/there.log"
-wait $libraries
-cross . plugin -D SV_WERROR="${SV_WERROR:-OFF}"
-cmake --install "$out/plugin" --prefix "$out/installed" > "$out/there.log"
 here=(-D "CMAKE_PREFIX_PATH=$out/sdk" -D CMAKE_EXE_LINKER_FLAGS=-static -D CMAKE_MODULE_LINKER_FLAGS=-static)
 for example in small_host queue_host template first_edge kernel_edge cpp; do cross examples/$example $example "${here[@]}"; done
 

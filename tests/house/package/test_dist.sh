@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# `make dist`: the same commit gives the same bytes, whatever the clock and the umask say; the tarball holds every committed
+# scripts/dist.sh: the same commit gives the same bytes, whatever the clock and the umask say; the tarball holds every committed
 # file and nothing else. Called with the source and the build folder. Skipped where git knows no commit.
 set -u
 source_dir=$1
