@@ -195,14 +195,17 @@ function save(blob, what) {
   setTimeout(() => URL.revokeObjectURL(link_.href), 10000);
 }
 
+/* A page that came without TLS has no clipboard, and a browser may refuse it. */
 async function copyFrom(field) {
+  let copied = true;
   try {
     await navigator.clipboard.writeText(field.value);
   } catch {
-    field.select(); /* not allowed here: it is marked, to be copied by hand */
+    field.select();
+    copied = document.execCommand("copy");
   }
-  at("copied").textContent = "copied";
-  setTimeout(() => { at("copied").textContent = ""; }, 2000);
+  at("copied").textContent = copied ? "copied" : "The browser lets nothing be copied here. It is marked: Ctrl+C copies it.";
+  if (copied) setTimeout(() => { at("copied").textContent = ""; }, 2000);
 }
 
 /* -------------------------------------------------------------------------------------------- start -- */

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What the console's page is given by others: cookies, which pages of all ports share, and addresses. Whatever they hold, the page works,
-leaves out what is none, and says so."""
+leaves out what is none, and says so. A browser without a clipboard, too."""
 
 import json
 import os
@@ -78,10 +78,22 @@ def addresses(b, address):
         holds(b.run("return lastFigures.lanes[0].outcome") == "SV_OK", f"{text}: {b.run('return lastFigures.lanes[0]')}")
 
 
+def no_clipboard(b):
+    """Without one the words are copied in the old way, or marked for the hand."""
+    b.run("Object.defineProperty(navigator, 'clipboard', { value: undefined, configurable: true })")
+    for copied, said in ((True, "copied"), (False, "It is marked: Ctrl+C copies it.")):
+        b.run("const copies = arguments[0]; at('copied').textContent = ''; document.execCommand = () => copies;"
+              "getSelection().removeAllRanges(); at('copy').click()", copied)
+        b.wait_for("at('copied').textContent", "a word of the copy")
+        now, marked, whole = b.run("return [at('copied').textContent, [at('line').selectionStart, at('line').selectionEnd, document.activeElement.id], at('line').value.length]")
+        holds(now.endswith(said) and marked == [0, whole, "line"] and whole > 0, f"without a clipboard: '{now}', {marked} of {whole}")
+
+
 def main():
     with a_page(BUILD, "#scene=D01,64,1", []) as (b, console, _):
         settle(b, "the first frame")
         holds(b.run("return at('notice').hidden"), "a message where nothing is wrong")
+        no_clipboard(b)
         addresses(b, console.address)
         cookies(b, console.address)
         for seed in range(5):
