@@ -105,6 +105,7 @@ static inline void sva_kept_open(sva_kept *k, int make) {
     if (!sva_kept_folder(folder, sizeof folder)) return;
     const int made = make ? sva_kept_make(folder) : 0;
     k->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    memset(&info, 0, sizeof info);
     if (k->folder < 0)
         (void)snprintf(k->why, sizeof k->why, "the folder %s cannot be opened: %s", folder,
                        strerror(made ? made : errno));
@@ -178,12 +179,13 @@ static inline void sva_kept_sweep(const sva_kept *k, uint64_t most, const char *
         const int again = openat(k->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
         DIR *folder = again < 0 ? NULL : fdopendir(again);
         for (const struct dirent *e; folder && (e = readdir(folder)) != NULL;) {
-            if (!sva_kept_is_ours(e->d_name) || strlen(e->d_name) >= sizeof oldest ||
+            const size_t length = strlen(e->d_name);
+            if (!sva_kept_is_ours(e->d_name) || length >= sizeof oldest ||
                 fstatat(k->folder, e->d_name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
                 continue;
             all += (uint64_t)info.st_size + 1; /* an empty file, too */
             if (strcmp(e->d_name, spared) == 0 || (oldest[0] && info.st_mtime >= since)) continue;
-            (void)snprintf(oldest, sizeof oldest, "%s", e->d_name);
+            memcpy(oldest, e->d_name, length + 1);
             since = info.st_mtime;
         }
         if (folder)
