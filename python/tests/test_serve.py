@@ -17,13 +17,16 @@ from pathlib import Path
 import numpy as np
 import pyigtl
 import pytest
-from conftest import FETUS, LONG, SKIN, layers
+from conftest import FETUS, LONG, SKIN, SOURCE, layers
 from pyigtl.messages import CRC64, ImageMessage, MessageBase, StringMessage
 
 import smartvis
 from smartvis._work import Settings
 from smartvis.cli import main
 from smartvis.serve import Server
+
+sys.path.append(str(SOURCE / "tests/support"))
+import igtl_client  # type: ignore[import-not-found]
 
 
 @contextlib.contextmanager
@@ -52,20 +55,9 @@ def connect(port: int) -> socket.socket:
     return peer
 
 
-def read_exactly(peer: socket.socket, count: int) -> bytes:
-    data = b""
-    while len(data) < count:
-        part = peer.recv(count - len(data))
-        if not part:
-            raise ConnectionResetError("the server closed the connection")
-        data += part
-    return data
-
-
 def read_message(peer: socket.socket, check: bool = True):
-    header = read_exactly(peer, 58)
+    header, body = igtl_client.read_message(peer)
     fields = MessageBase.parse_header(header)
-    body = read_exactly(peer, fields["body_size"])
     assert not check or CRC64(body) == struct.unpack("> Q", header[50:])[0]
     message = MessageBase.create_message(fields["message_type"])
     message.unpack(fields, body)
@@ -373,9 +365,8 @@ def test_ipv6_is_listened_at_or_told(capsys) -> None:
 def ask(peer: socket.socket, data: bytes) -> tuple[str, str, bytes]:
     """Type, device name and body of what answers."""
     peer.sendall(data)
-    header = read_exactly(peer, 58)
+    header, body = igtl_client.read_message(peer)
     fields = MessageBase.parse_header(header)
-    body = read_exactly(peer, fields["body_size"])
     assert CRC64(body) == struct.unpack("> Q", header[50:])[0]
     return fields["message_type"], fields["device_name"], body
 

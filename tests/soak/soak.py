@@ -10,7 +10,6 @@ import os
 import random
 import re
 import socket
-import struct
 import subprocess
 import sys
 import threading
@@ -20,8 +19,9 @@ from pathlib import Path
 import numpy
 from pyigtl.messages import ImageMessage
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "host_sim" / "console"))
+sys.path[:0] = [str(Path(__file__).parents[1] / folder) for folder in ("host_sim/console", "support")]
 from console_client import Console, Page, holds
+from igtl_client import read_message
 
 SAMPLES = 400
 ROOM = {"MiB": (1.05, 3), "threads": (1, 0), "descriptors": (1, 0)}  # what the last third may hold: so many times the middle one, and so much more
@@ -134,15 +134,6 @@ def console(options):
         server.end()
 
 
-def read(peer, count):
-    data = bytearray()
-    while len(data) < count:
-        part = peer.recv(count - len(data))
-        holds(part, "the server closed the connection")
-        data += part
-    return bytes(data)
-
-
 def serve(options):
     """Volumes of two sizes in turns, a new connection for each thousand."""
     def message(side):
@@ -163,7 +154,7 @@ def serve(options):
                     for _ in range(min(1000, options.volumes - sent)):
                         peer.sendall(whole[sent // 100 % len(whole)])
                         for _ in range(3):
-                            body = read(peer, struct.unpack("> 42x Q 8x", read(peer, 58))[0])
+                            _, body = read_message(peer)
                         holds(body[4:].split()[0] in (b"OK", b"NO_SURFACE", b"PARTIAL"), f"a volume is answered with {body[4:60]}")
                         sent += 1
                         yield sent / options.volumes, server.pid

@@ -12,15 +12,15 @@ import resource
 import shutil
 import signal
 import socket
-import struct
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "host_sim/console"))
+sys.path[:0] = [str(Path(__file__).parents[2] / folder) for folder in ("host_sim/console", "support")]
 from console_client import Console, Page
+from igtl_client import read_message
 
 BUILD = Path(sys.argv[1]).resolve()
 PYTHON = BUILD / "python/venv/bin/python"
@@ -202,16 +202,6 @@ def console(machine, work, _):
         server.end()
 
 
-def read(peer, count):
-    data = b""
-    while len(data) < count:
-        part = peer.recv(count - len(data))
-        if not part:
-            raise ConnectionResetError("the server closed the connection")
-        data += part
-    return data
-
-
 def serve(machine, work, _):
     """A volume there and back."""
     with subprocess.Popen([*machine.by, PYTHON.with_name("smartvis"), "serve", "--port", "0"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -226,8 +216,8 @@ def serve(machine, work, _):
                 peer.sendall((work / "volume.igtl").read_bytes())
                 said = []
                 while not said or said[-1][0] not in (b"STRING", b"STATUS"):  # which come last
-                    head = read(peer, 58)
-                    said.append((head[2:14].rstrip(b"\0"), read(peer, struct.unpack("> 42x Q 8x", head)[0])))
+                    head, body = read_message(peer)
+                    said.append((head[2:14].rstrip(b"\0"), body))
             told = b" ".join(body for kind, body in said if kind in (b"STATUS", b"STRING")).decode("latin-1")
             made = [body for _, body in said] if len(said) == 3 else None
         finally:
