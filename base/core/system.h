@@ -69,7 +69,7 @@ bool sys_program(char *path, size_t bytes);
 /* argv as UTF-8, with '/' in paths, with its count, as long as the program runs. Once, at the program's
  * start: its output is binary from then on, and where descriptors 0 to 2 were closed, as daemons have them,
  * nothing that is opened later becomes one of them. Threads get stacks that compiling kernels takes; where
- * the main one may not have 512 KiB, the program ends with a sentence and exit code 7. As the first process
+ * the main one may not have 512 KiB, the program ends with a sentence and HS_ERR_MEMORY. As the first process
  * of a container, which no signal but SIGKILL ends by default, it ends at those that end others. */
 char **sys_arguments(int *count, char **argv);
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "core/system.h"
 
+#include "core/error.h"
+
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -99,7 +101,7 @@ bool sys_program(char *path, size_t bytes) {
     return length > 0;
 }
 
-enum { STACK_ENOUGH = 2 << 20, STACK_LEAST = 512 << 10, EXIT_MEMORY = 7 };
+enum { STACK_ENOUGH = 2 << 20, STACK_LEAST = 512 << 10 };
 
 /* The runtime compiles and computes on this stack and on those of its threads, which have by default what the
  * user's limit says. */
@@ -113,7 +115,7 @@ static void take_stacks(void) {
         if (most < STACK_LEAST) {
             (void)fprintf(stderr, "This process may take %llu KiB of stack (ulimit -s), %d are needed.\n",
                           (unsigned long long)most >> 10, STACK_LEAST >> 10);
-            _Exit(EXIT_MEMORY);
+            _Exit(HS_ERR_MEMORY);
         }
         (void)setrlimit(RLIMIT_STACK, &main_thread);
     }
