@@ -91,34 +91,38 @@ static bool is_web_page(const uint8_t *head, size_t bytes) {
            (bytes - at >= 5 && strncasecmp(text, "<html", 5) == 0);
 }
 
+/* The format that the first bytes are of, and what helps; NULL: none that is known. */
+static const char *format_of(const char *path, const uint8_t *head, size_t bytes, const char **how) {
+    *how = python_reads;
+    for (size_t i = 0; i < sizeof marks / sizeof *marks; i++)
+        if (holds(head, bytes, 0, marks[i].mark, marks[i].bytes)) {
+            *how = marks[i].how;
+            return marks[i].format;
+        }
+    if (is_nifti(head, bytes)) return "a NIfTI file";
+    if (starts_with(head, bytes, NIFTI1_SIZE) && ends_with(path, ".hdr")) return "an Analyze file";
+    if (holds(head, bytes, DICOM_MARK, "DICM", 4) || is_bare_dicom(head, bytes)) {
+        *how = "'smartvis clip' of the Python package reads it, or a folder with its series";
+        return "a DICOM file";
+    }
+    *how = "fetch the file itself";
+    return is_web_page(head, bytes) ? "a web page" : NULL;
+}
+
 /* True, with HS_ERR_INPUT, if there is nothing, or the first bytes are those of something else, also
  * compressed: the message names it and says what helps. */
 static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs_error *err) {
     const uint8_t *head = (const uint8_t *)head_text;
+    const bool empty = bytes == 0;
     uint8_t inner[NIFTI2_SIZE];
-    const char *format = bytes ? NULL : "empty", *how = bytes ? python_reads : "copy it anew";
     if (bytes >= 2 && head[0] == 0x1f && head[1] == 0x8b) {
         bytes = inflate_head(head, bytes, inner, sizeof inner);
         head = inner;
     }
-    for (size_t i = 0; i < sizeof marks / sizeof *marks && !format; i++) {
-        if (!holds(head, bytes, 0, marks[i].mark, marks[i].bytes)) continue;
-        format = marks[i].format;
-        how = marks[i].how;
-    }
-    if (!format && is_nifti(head, bytes))
-        format = "a NIfTI file";
-    else if (!format && starts_with(head, bytes, NIFTI1_SIZE) && ends_with(path, ".hdr"))
-        format = "an Analyze file";
-    else if (!format && (holds(head, bytes, DICOM_MARK, "DICM", 4) || is_bare_dicom(head, bytes))) {
-        format = "a DICOM file";
-        how = "'smartvis clip' of the Python package reads it, or a folder with its series";
-    } else if (!format && is_web_page(head, bytes)) {
-        format = "a web page";
-        how = "fetch the file itself";
-    } else if (!format && head == inner) {
-        format = "a file compressed as a whole";
-        how = "unpack it first";
+    const char *how, *format = format_of(path, head, bytes, &how);
+    if (!format && (empty || head == inner)) {
+        format = empty ? "empty" : "a file compressed as a whole";
+        how = empty ? "copy it anew" : "unpack it first";
     }
     return format && !hs_fail(err, HS_ERR_INPUT, "%s: is %s; host_sim reads MetaImage (.mha, .mhd): %s", path,
                               format, how);
