@@ -61,11 +61,10 @@ def check(path: Path) -> None:
     if not kind and not name.endswith(tuple(ending for endings in _NAMES.values() for ending in endings)):
         listed = ", ".join([*list(_NAMES)[:3], *list(_NAMES)[4:]])
         raise FileError(f"{path}: is none of {listed}, DICOM and Kretz, which are read")
-    {"VTK": _check_vtk, "TIFF": _check_tiff}.get(kind, _no_more)(path)
-
-
-def _no_more(path: Path) -> None:
-    """The reader sees the rest."""
+    if kind == "VTK":
+        _check_vtk(path)
+    elif kind == "TIFF":
+        _check_tiff(path)
 
 
 def _kind(path: Path, head: bytes) -> str:
@@ -109,7 +108,11 @@ def _check_tiff(path: Path) -> None:
 def in_circle(places: Iterable[int]) -> bool:
     """One of them comes again."""
     known: set[int] = set()
-    return any(place in known or known.add(place) for place in places)  # type: ignore[func-returns-value]
+    for place in places:
+        if place in known:
+            return True
+        known.add(place)
+    return False
 
 
 def pages_of_tiff(path: Path) -> Iterator[int]:
