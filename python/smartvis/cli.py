@@ -106,16 +106,19 @@ def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
     )
 
 
-def settings_of(args: argparse.Namespace) -> Settings:
-    """Settings from the options; ValueError names key and value."""
+def pairs_of(args: argparse.Namespace) -> list[str]:
+    """What is set, KEY=VALUE."""
+    return [*args.set, *([f"method={args.method}"] if args.method else [])]
+
+
+def settings_of(args: argparse.Namespace, pairs: Sequence[str] | None = None) -> Settings:
+    """Settings from the options, with `pairs` in the place of what is set; ValueError names key and value."""
     values: dict[str, Any] = {}
-    for pair in args.set:
+    for pair in pairs_of(args) if pairs is None else pairs:
         key, _, value = pair.partition("=")
         if not key or not value:
             raise ValueError(f"--set: '{pair}', expected KEY=VALUE")
         values[key] = value
-    if args.method:
-        values["method"] = args.method
     known = load(args.plugin).parameters
     load(args.plugin).encode(values)
     for key, value in values.items():
@@ -249,13 +252,11 @@ def command_batch(args: argparse.Namespace) -> int:
     """Clips every volume of a study."""
     from . import _study, _sweep
 
-    pairs = [*args.set, *([f"method={args.method}"] if args.method else [])]
-    each = {name: settings_of(_with(args, pairs)) for name, pairs in _sweep.choices(pairs).items()}
+    each = {name: settings_of(args, pairs) for name, pairs in _sweep.choices(pairs_of(args)).items()}
     files = find_files(args.folder, Path(args.out), tell)
     if not files:
         raise FileError(f"{' '.join(args.folder)}: there is no volume; suffixes are {' '.join(SUFFIXES)}")
-    for settings in each.values():
-        check_mirror(settings, files)
+    check_mirror(next(iter(each.values())), files)  # the same in all
     out = make_folder(args.out)
     with (
         _study.cluster(args.scheduler, args.workers, lambda link: tell(f"dashboard at {link}")) as client,
@@ -277,11 +278,6 @@ def command_batch(args: argparse.Namespace) -> int:
     done = f"{len(rows) - len(failed)} volumes clipped, {len(failed)} not"
     print(plain(f"{done}; the page is {out / 'index.html'}, the table {out / 'table.csv'}"))
     return FAILED if failed else OK
-
-
-def _with(args: argparse.Namespace, pairs: list[str]) -> argparse.Namespace:
-    """The same with other values for `--set`."""
-    return argparse.Namespace(**(vars(args) | {"set": pairs, "method": None}))
 
 
 def tell(text: object) -> None:

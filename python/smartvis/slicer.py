@@ -8,7 +8,7 @@ import argparse
 import os
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 from xml.sax.saxutils import escape
@@ -113,7 +113,7 @@ def _clip(args: argparse.Namespace) -> int:
         raise ValueError(f"no result is asked for: choose {', '.join(i.label for i in _module.RESULTS.values())}")
     if "mesh" in wanted and wanted["mesh"].suffix.lower() != ".ply":
         raise ValueError(f"--model: {wanted['mesh']}: models are written as .ply")
-    settings = cli.settings_of(_as_of_clip(args))
+    settings = cli.settings_of(_as_of_clip(args, wanted))
     source = Source(args.scan, spacing=settings.spacing)
     source.check_one()
     progress = _Progress(2 + len(wanted))
@@ -137,11 +137,10 @@ def _clip(args: argparse.Namespace) -> int:
     return cli.OK
 
 
-def _as_of_clip(args: argparse.Namespace) -> argparse.Namespace:
+def _as_of_clip(args: argparse.Namespace, wanted: Iterable[str]) -> argparse.Namespace:
     """The command line of `smartvis clip` that says the same."""
     view = args.view if args.direction is None else args.direction
-    wanted = ",".join(what for what, item in _module.RESULTS.items() if getattr(args, item.name))
-    return argparse.Namespace(**(vars(args) | {"view": view, "write": wanted, "mirror": False}))
+    return argparse.Namespace(**(vars(args) | {"view": view, "write": ",".join(wanted), "mirror": False}))
 
 
 def _returned(row: Row) -> str:
