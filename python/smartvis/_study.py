@@ -190,9 +190,7 @@ def batch(
                 step()
         finally:
             remove_leftovers(out, files)
-            rows.sort(key=lambda row: (row["file"], row["frame"]))
-            write_table(out / "table.csv", rows)
-            write_page(out / "index.html", [(Row(**row), folder_of(out, Path(row["file"]))) for row in rows])
+            rows = write_overview(out, [(row, out) for row in rows])
     return rows
 
 
@@ -290,6 +288,15 @@ def _wait(completed: Any, client: Any, workers: int) -> None:
             raise HostError(f"no worker for {_ALONE} s; what is done is kept, and the next batch goes on from there", 1)
         else:
             client.cluster.scale(workers)
+
+
+def write_overview(out: Path, rows: Sequence[tuple[dict[str, Any], Path]]) -> list[dict[str, Any]]:
+    """Rows, each with the folder of its batch, as table.csv and index.html in `out`: what one volume came to stands
+    together. Returns them so."""
+    ordered = sorted(rows, key=lambda of: (of[0]["file"], of[0]["frame"]))
+    write_table(out / "table.csv", [row for row, _ in ordered])
+    write_page(out / "index.html", [(Row(**row), folder_of(folder, Path(row["file"]))) for row, folder in ordered])
+    return [row for row, _ in ordered]
 
 
 def write_table(path: Path, rows: Sequence[dict[str, Any]]) -> Path:

@@ -9,10 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ._page import write_page
-from ._rows import folder_of
-from ._study import write_table
-from ._work import Row, Settings
+from ._study import write_overview
+from ._work import Settings
 
 
 def choices(pairs: Sequence[str]) -> dict[str, list[str]]:
@@ -29,14 +27,12 @@ def choices(pairs: Sequence[str]) -> dict[str, list[str]]:
 def sweep(
     each: Mapping[str, Settings], out: Path, batch: Callable[[Settings, Path], list[dict[str, Any]]]
 ) -> list[dict[str, Any]]:
-    """Calls `batch` for each, with its folder, and returns the rows of all; what one scan came to stands together.
-    table.csv and index.html have what was done, also if a batch could not be."""
+    """Calls `batch` for each, with its folder, and returns the rows of all. table.csv and index.html have what was
+    done, also if a batch could not be."""
     rows: list[tuple[dict[str, Any], Path]] = []
     try:
         for name, settings in each.items():
             rows += [(row, out / name) for row in batch(settings, out / name)]
     finally:
-        rows.sort(key=lambda of: (of[0]["file"], of[0]["frame"]))
-        write_table(out / "table.csv", [row for row, _ in rows])
-        write_page(out / "index.html", [(Row(**row), folder_of(folder, Path(row["file"]))) for row, folder in rows])
-    return [row for row, _ in rows]
+        done = write_overview(out, rows)
+    return done
