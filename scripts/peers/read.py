@@ -31,14 +31,24 @@ def first_three(matrix: Any) -> np.ndarray:
     return np.array(matrix, float).reshape(4, 4)[:3, :3]
 
 
+def of_zyx(values: np.ndarray, place: np.ndarray, axes: int) -> list[Volume]:
+    """Of an array with z, y and x; a sequence is a fourth axis before them, or a vector a voxel of three."""
+    frames = np.moveaxis(values, -1, 0) if axes == 3 and values.ndim == 4 else values
+    return [(one, place) for one in (frames if frames.ndim == 4 else [frames])]
+
+
+def of_xyz(values: np.ndarray, place: np.ndarray) -> list[Volume]:
+    """Of an array with x, y and z, and perhaps time behind them."""
+    return [(one.T, place) for one in (np.moveaxis(values, 3, 0) if values.ndim == 4 else [values])]
+
+
 def of_itk_like(image: Any, values: np.ndarray) -> list[Volume]:
     """Of ITK's classes and those that look like them; a sequence is a fourth axis, or a vector a voxel."""
     if len(image.GetSize()) == 4:
         place = placed(image.GetOrigin()[:3], image.GetSpacing()[:3], first_three(image.GetDirection()))
     else:
         place = placed(image.GetOrigin(), image.GetSpacing(), image.GetDirection())
-    frames = np.moveaxis(values, -1, 0) if len(image.GetSize()) == 3 and values.ndim == 4 else values
-    return [(one, place) for one in (frames if frames.ndim == 4 else [frames])]
+    return of_zyx(values, place, len(image.GetSize()))
 
 
 def simpleitk(path: Path) -> list[Volume]:
@@ -55,8 +65,7 @@ def itk(path: Path) -> list[Volume]:
     values, size = peer.array_from_image(image), peer.size(image)
     direction = peer.array_from_matrix(image.GetDirection())
     place = placed(tuple(image.GetOrigin())[:3], tuple(image.GetSpacing())[:3], direction[:3, :3])
-    frames = np.moveaxis(values, -1, 0) if len(size) == 3 and values.ndim == 4 else values
-    return [(one, place) for one in (frames if frames.ndim == 4 else [frames])]
+    return of_zyx(values, place, len(size))
 
 
 def itkwasm(path: Path) -> list[Volume]:
@@ -64,9 +73,7 @@ def itkwasm(path: Path) -> list[Volume]:
 
     image = peer.read_image(str(path))
     place = placed(image.origin[:3], image.spacing[:3], np.asarray(image.direction)[:3, :3])
-    values = np.asarray(image.data)
-    frames = np.moveaxis(values, -1, 0) if len(image.size) == 3 and values.ndim == 4 else values
-    return [(one, place) for one in (frames if frames.ndim == 4 else [frames])]
+    return of_zyx(np.asarray(image.data), place, len(image.size))
 
 
 def nibabel(path: Path) -> list[Volume]:
@@ -83,7 +90,7 @@ def pynrrd(path: Path) -> list[Volume]:
     assert header["space"] == "left-posterior-superior"
     place = np.eye(4)
     place[:3, :3], place[:3, 3] = np.asarray(header["space directions"], float)[:3].T, header["space origin"]
-    return [(one.T, place) for one in (np.moveaxis(values, 3, 0) if values.ndim == 4 else [values])]
+    return of_xyz(values, place)
 
 
 def slicerio(path: Path) -> list[Volume]:
@@ -91,7 +98,7 @@ def slicerio(path: Path) -> list[Volume]:
 
     volume = peer.read_volume(str(path))
     values, place = volume["voxels"], volume["ijkToLPS"]
-    return [(one.T, place) for one in (np.moveaxis(values, 3, 0) if values.ndim == 4 else [values])]
+    return of_xyz(values, place)
 
 
 def ants(path: Path) -> list[Volume]:
@@ -100,7 +107,7 @@ def ants(path: Path) -> list[Volume]:
     image = peer.image_read(str(path))
     values, directions = image.numpy(), np.asarray(image.direction)[:3, :3]
     place = placed(image.origin[:3], image.spacing[:3], directions)
-    return [(one.T, place) for one in (np.moveaxis(values, 3, 0) if values.ndim == 4 else [values])]
+    return of_xyz(values, place)
 
 
 def c3d(path: Path) -> list[Volume]:
@@ -162,7 +169,7 @@ def monai(path: Path) -> list[Volume]:
     image = LoadImage(image_only=True, ensure_channel_first=False)(str(path))
     values = np.asarray(image.array)
     place = RAS @ np.asarray(image.affine)
-    return [(one.T, place) for one in (np.moveaxis(values, 3, 0) if values.ndim == 4 else [values])]
+    return of_xyz(values, place)
 
 
 def torchio(path: Path) -> list[Volume]:
