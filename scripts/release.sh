@@ -12,16 +12,15 @@ cd "$(dirname "$0")/.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 [ -z "$(git status --porcelain)" ] || echo "release: what is not committed is left out" >&2
-version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH CCACHE_DISABLE=1 LC_ALL=C.UTF-8 TZ=UTC
 
 # Files of the installed tree in the order of their names, all as old as the commit.
-pack_windows() { # pack_windows INSTALLED LICENCES OUT
-    local name=smartvis-$version-windows-x86_64
-    mkdir "$3/$name"
-    cp -r "$1"/. "$2" "$3/$name"
-    (cd "$3" && find "$name" -type f | sort > files &&
+pack_windows() { # pack_windows INSTALLED LICENCES NAME: NAME.zip
+    local name=${3##*/}
+    mkdir "$3"
+    cp -r "$1"/. "$2" "$3"
+    (cd "$3/.." && find "$name" -type f | sort > files &&
         cmake -E tar c "$name.zip" --format=zip --mtime="$(date -u -d "@$SOURCE_DATE_EPOCH" "+%F %T UTC")" --files-from=files && rm -r files "$name")
 }
 
@@ -31,11 +30,12 @@ make_all() { # make_all CLONE OUT: of the commit, in the folder CLONE, which is 
     (
         cd "$1"
         git checkout -q --detach "$commit"
-        scripts/dist.sh "$2"
+        sources=$(scripts/dist.sh "$2")
+        release=${sources%.tar.gz} # smartvis-VERSION
         make deb wheel all
-        scripts/spdx.sh build "$2/smartvis-$version.spdx"
+        scripts/spdx.sh build "$release.spdx"
         scripts/windows_build.sh out/windows
-        pack_windows out/windows/installed out/windows/root/licences "$2"
+        pack_windows out/windows/installed out/windows/root/licences "$release-windows-x86_64"
         cp out/deb/*.deb out/deb/*.dsc out/deb/*.tar.* out/wheel/*.whl "$2"
         cd "$2" && sha256sum -- * > SHA256SUMS
     )
