@@ -173,7 +173,7 @@ def test_a_fill_value_far_away_costs_no_bins(tmp_path: Path, scan: np.ndarray) -
 def test_pages_that_never_end_are_noticed(tmp_path: Path, scan: np.ndarray) -> None:
     """No file that keeps a library busy is made here."""
     for large in (False, True):
-        tifffile.imwrite(tmp_path / "scan.tif", scan[:4], bigtiff=large)
+        tifffile.imwrite(tmp_path / "scan.tif", scan[:4], bigtiff=large, photometric="minisblack")
         pages = list(_content.pages_of_tiff(tmp_path / "scan.tif"))
         assert pages == [page.offset for page in tifffile.TiffFile(tmp_path / "scan.tif").pages]
         assert not _content.in_circle(pages) and _content.in_circle([*pages, pages[-1]])
