@@ -4,8 +4,6 @@
 set -eu
 folder=$2/python
 venv=$folder/venv
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 if [ ! -x "$venv/bin/pip" ]; then # environment.sh says why
     echo "skipped: no index of Python packages (PyPI) can be reached"

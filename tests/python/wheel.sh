@@ -6,8 +6,6 @@
 # machine makes of it, scripts/try_wheel.sh tries.
 set -eu
 venv=$2/python/venv
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 if [ ! -x "$venv/bin/auditwheel" ]; then # environment.sh says why
     echo "skipped: no index of Python packages (PyPI) can be reached"

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
-# Sourced by test scripts: counts what they check, and what failed.
+# Sourced by test scripts: a folder to work in, which is gone when they end, and counts of what they check and of what failed.
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
 checked=0
 failed=0
 

@@ -7,8 +7,6 @@ source=$1
 build=$2
 host_sim=$build/host_sim
 plugins=$build/tests/plugins
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # A MetaImage of 16 x 16 x $2 voxels, of which $3 bytes are there.

@@ -6,8 +6,6 @@
 set -u
 build=$2
 host_sim=$build/host_sim
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 run=(run --scene E01 --size 32 --frames 1 --few-pictures --out "$work/out")
 : > "$work/file"

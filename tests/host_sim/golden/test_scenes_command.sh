@@ -5,8 +5,6 @@
 set -u
 host_sim=$2/host_sim
 [ -x "$host_sim" ] || { echo "no $host_sim"; exit 77; }
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 code() { # code EXPECTED ARGUMENTS...: the exit code; what is wrong is in stderr
     ends "$1" "$host_sim" scenes "${@:2}"

@@ -5,8 +5,6 @@
 set -u
 source_dir=$1
 build_dir=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # --- lines: in all, and without the method

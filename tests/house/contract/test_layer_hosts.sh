@@ -5,8 +5,6 @@
 # on purpose and finds that the layer passes all of it on. With SMARTVIS_CHECK=stop, a word of the layer's would be an error.
 set -u
 source_dir=$1 build=$2 layer=$2/smartvis_check.so
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$source_dir/tests/support/holds.sh"
 export SMARTVIS_CHECK=stop
 

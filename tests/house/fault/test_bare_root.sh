@@ -6,8 +6,6 @@
 # namespaces can be made.
 set -u
 script=$1/scripts/bare_root.sh
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # says CODE WORDS COMMAND...: the command ends with CODE and says WORDS.

@@ -4,8 +4,6 @@
 # closed, or with no more than 64 descriptors. What is right is found right, and nothing that is printed lands in a file.
 set -u
 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 cd "$work" || exit 1
 "$build/host_sim" scenes D01 --size 48 --export --out scene > /dev/null || exit 1

@@ -6,8 +6,6 @@ set -u
 source=$1
 build=$2
 host_sim=$build/host_sim
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 cd "$work" || exit 1
 

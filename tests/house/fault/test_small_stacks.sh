@@ -5,8 +5,6 @@
 # nothing of that, have the plugin's frames, too.
 set -u
 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 cd "$work" || exit 1
 

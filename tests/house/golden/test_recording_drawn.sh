@@ -4,9 +4,6 @@
 # Called with the source and the build folder.
 set -u
 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-checked=0 failed=0
 # shellcheck source=tests/support/holds.sh
 . "$1/tests/support/holds.sh"
 run() { "$build/host_sim" run --picture 64 --setting smartvis --frames 1 "$@" > "$work/said" 2>&1 || { cat "$work/said"; false; }; }

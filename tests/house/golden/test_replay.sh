@@ -6,9 +6,6 @@
 # Called with the source and the build folder.
 set -u
 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-checked=0 failed=0
 # shellcheck source=tests/support/holds.sh
 . "$1/tests/support/holds.sh"
 record() { # record FILE OPTIONS PLUGIN ARGUMENTS...: of host_sim run

@@ -4,9 +4,6 @@
 # file and nothing else. Called with the source and the build folder. Skipped where git knows no commit.
 set -u
 source_dir=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-checked=0 failed=0
 # shellcheck source=tests/support/holds.sh
 . "$source_dir/tests/support/holds.sh"
 

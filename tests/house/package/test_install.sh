@@ -6,9 +6,6 @@
 set -u
 source_dir=$1
 build_dir=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-checked=0 failed=0
 # shellcheck source=tests/support/holds.sh
 . "$source_dir/tests/support/holds.sh"
 unset SMARTVIS_PLUGIN_PATH SMARTVIS_SCENES PKG_CONFIG_PATH CMAKE_PREFIX_PATH

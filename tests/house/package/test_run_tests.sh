@@ -4,8 +4,6 @@
 # source folder.
 set -u
 source_dir=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 # shellcheck source=tests/support/holds.sh
 . "$source_dir/tests/support/holds.sh"
 cd "$work" || exit 1

@@ -3,8 +3,6 @@
 # `make` without its packages names them and stops there; CMake has no word. A step is one line, its output in a log. Called with the source and the build folder.
 set -u
 source_dir=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 # shellcheck source=tests/support/holds.sh
 . "$source_dir/tests/support/holds.sh"
 command -v dpkg-query > /dev/null || {

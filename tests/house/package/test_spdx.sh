@@ -4,8 +4,6 @@
 # what is pinned of PyPI, with versions; every relation is between packages of the list. Called with the source and the build folder.
 set -u
 source_dir=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 # shellcheck source=tests/support/holds.sh
 . "$source_dir/tests/support/holds.sh"
 command -v dpkg-query > /dev/null || {

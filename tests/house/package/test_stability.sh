@@ -4,9 +4,6 @@
 # versions of files. More may be there. Called with the source and the build folder.
 set -u
 source_dir=$1 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-checked=0 failed=0
 . "$source_dir/tests/support/holds.sh"
 page=$source_dir/docs/stability.md
 # The names in backticks of the paragraph that begins with a word.

@@ -5,9 +5,6 @@
 # and hosts, and the newest dump in abi/ agree. Called with the source and the build folder.
 set -u
 source_dir=$1 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-checked=0 failed=0
 # shellcheck source=tests/support/holds.sh
 . "$source_dir/tests/support/holds.sh"
 cd "$source_dir" || exit 1

@@ -3,8 +3,6 @@
 # The demo end to end, small: its pictures and its page. Called with the source and the build folder.
 set -u
 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # A file to stand for a real volume: a layer, fluid, and a bright ball behind it.

@@ -4,8 +4,6 @@
 # Called with the source and the build folder.
 set -u
 host_sim=$2/host_sim
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 # shellcheck source=tests/support/holds.sh
 . "$1/tests/support/holds.sh"
 cd "$work" || exit 1

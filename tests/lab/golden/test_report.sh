@@ -4,8 +4,6 @@
 # folder.
 set -u
 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # code WANTED ARGUMENTS...: the exit code of host_sim report; its output is in $work/stdout and stderr.

@@ -4,8 +4,6 @@
 # does not have is "-", and the mean is that of the others. All of them at night. Called with the source and the build folder.
 set -u
 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 names=(H01 H10 H16)

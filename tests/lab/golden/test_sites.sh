@@ -4,8 +4,6 @@
 # the build folder.
 set -u
 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # code WANTED ARGUMENTS...: the exit code of sv_judge; its output is in $work/stdout and stderr.

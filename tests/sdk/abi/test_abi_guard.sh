@@ -6,8 +6,6 @@
 # shellcheck disable=SC2016 # what looks like variables is Perl's
 set -u
 source_dir=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 checked=0 failed=0 change=0
 # shellcheck source=tests/support/holds.sh
 . "$source_dir/tests/support/holds.sh"

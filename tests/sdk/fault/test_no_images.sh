@@ -5,8 +5,6 @@
 set -u
 build=$2
 host_sim=$build/host_sim
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 export LD_PRELOAD=$build/tests/no_grey_images.so
 frame=(run --scene E01 --size 32 --frames 1 --plugin "$build/smartvis.so")

@@ -4,8 +4,6 @@
 # blames no plugin that is right, and still finds leaks and heap calls.
 set -u
 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 tried=0
 asan=$(readlink -f "$(gcc -print-file-name=libasan.so 2> /dev/null)" 2> /dev/null)

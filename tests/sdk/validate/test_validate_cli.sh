@@ -6,8 +6,6 @@ build=$2
 validate=$build/sv_validate
 right=$build/wrong/right/params.so
 wrong=$build/wrong/depth_nan.so
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 . "$1/tests/support/holds.sh"
 
 # expect CODE TEXT ARGUMENT...: exit code and a pattern in what is printed.
