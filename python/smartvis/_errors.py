@@ -8,6 +8,8 @@ from . import _abi, _runtime
 
 _NAMES = {value: name for name, value in _abi.NUMBERS.items() if name.startswith("SV_ERR_")}
 
+_OF_OPENCL = ("SV_ERR_NO_DEVICE", "SV_ERR_BUILD", "SV_ERR_OPENCL")
+
 
 class SmartVisError(Exception):
     """Base of all exceptions of this package."""
@@ -44,6 +46,10 @@ class HostError(SmartVisError):
         super().__init__(message)
 
 
+class DeviceError(HostError):
+    """OpenCL is missing, or failed, in ``host_sim`` or before the plugin."""
+
+
 class FileError(SmartVisError):
     """A file cannot be read as a volume, or a result cannot be written; the message names it."""
 
@@ -57,6 +63,17 @@ class MissingExtraError(SmartVisError, ImportError):
 
     def __init__(self, package: str, extra: str, what: str) -> None:
         super().__init__(f"{what} needs {package}: pip install 'smartvis[{extra}]'")
+
+
+def state_of(error: Exception) -> str:
+    """What failed, as a row's state and the exit code of the same name tell it."""
+    if isinstance(error, MemoryError):
+        return "memory"
+    if isinstance(error, DeviceError) or (isinstance(error, PluginError) and error.name in _OF_OPENCL):
+        return "device"
+    if isinstance(error, (PluginError, LoadError)):
+        return "plugin"
+    return "output" if isinstance(error, OutputError) else "input"
 
 
 def extra_module(name: str, package: str, extra: str, what: str = "this") -> Any:

@@ -14,7 +14,7 @@ import subprocess
 from collections.abc import Sequence
 
 from . import _places, _runtime
-from ._errors import HostError
+from ._errors import DeviceError, HostError
 from ._words import of_an_argument
 
 _NAME = "host_sim.exe" if _runtime.WINDOWS else "host_sim"
@@ -53,7 +53,8 @@ def run(arguments: Sequence[str], folder: str | None = None, **names: str) -> st
         lines = [line for line in ended.stderr.strip().splitlines() if not line.startswith("Fontconfig ")]
         first = lines[0] if lines else f"ended with code {ended.returncode} and said nothing"
         cure = _runtime.cure(ended.stderr, environment) if ended.returncode == _OPENCL else ""
-        raise HostError(of_an_argument(first, **names) + cure, ended.returncode)
+        kind = DeviceError if ended.returncode == _OPENCL else HostError
+        raise kind(of_an_argument(first, **names) + cure, ended.returncode)
     return ended.stdout
 
 

@@ -18,7 +18,7 @@ import threading
 from typing import Any
 
 from . import _runtime
-from ._errors import FileError, HostError, OutputError
+from ._errors import DeviceError, FileError, HostError, OutputError
 
 limit = 600.0  #: seconds for a question
 _START = (
@@ -45,7 +45,7 @@ def ask(what: str, path: object, *arguments: Any) -> Any:
     if good:
         return answer
     kind, text = answer
-    raise {"output": OutputError, "memory": MemoryError}.get(kind, FileError)(text)
+    raise {"output": OutputError, "memory": MemoryError, "device": DeviceError}.get(kind, FileError)(text)
 
 
 def _forget() -> None:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from . import _content, _dicom, _geometry, _host, _images, _kretz, _nifti, _pixels
 from ._complaints import RIGHT_ANGLES, no_warning, reason, unreadable
-from ._errors import FileError, HostError
+from ._errors import DeviceError, FileError, HostError
 from ._volume import checked_spacing
 
 _HEADER = 1 << 24  # bytes of a header's text at most, as in the host
@@ -326,10 +326,11 @@ class Reader:
         return self._reader.Execute()
 
 
-def _of_host(path: Path, error: HostError) -> FileError:
+def _of_host(path: Path, error: HostError) -> FileError | DeviceError:
     if error.code is None:
         return FileError(f"{path}: this format is read by host_sim; NRRD, NIfTI and DICOM need no host. {error}")
-    return FileError(str(error).removeprefix("host_sim info: "))
+    kind = DeviceError if isinstance(error, DeviceError) else FileError
+    return kind(str(error).removeprefix("host_sim info: "))
 
 
 def _header(path: Path) -> dict[str, str]:

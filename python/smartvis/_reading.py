@@ -12,7 +12,7 @@ from typing import Any
 
 from . import _images, _unsay
 from ._complaints import reason
-from ._errors import FileError, HostError, MissingExtraError, OutputError
+from ._errors import FileError, HostError, MissingExtraError, OutputError, state_of
 from ._reader import Reader
 
 _reader: Reader | None = None  # of the file that was asked for last
@@ -73,16 +73,14 @@ def serve(version: tuple[int, int], answers: int, life: int) -> None:
 def _what_comes_of(function: Any, arguments: list[Any]) -> tuple[bool, Any]:
     try:
         return True, function(*arguments)
-    except OutputError as error:
-        return False, ("output", str(error))
     except MemoryError:
         return False, ("memory", f"{arguments[0]}: no memory to read it")
     except (FileError, MissingExtraError, HostError) as error:
-        return False, ("file", str(error))
+        return False, (state_of(error), str(error))
     except RecursionError:
-        return False, ("file", f"{arguments[0]}: is nested too deep")
+        return False, ("input", f"{arguments[0]}: is nested too deep")
     except Exception as error:
-        return False, ("file", f"{arguments[0]}: cannot be read as a volume ({type(error).__name__})")
+        return False, ("input", f"{arguments[0]}: cannot be read as a volume ({type(error).__name__})")
 
 
 def _opened(number: int, how: int) -> int:

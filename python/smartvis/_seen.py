@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _places, _runtime
-from ._errors import LoadError, SmartVisError
+from ._errors import DeviceError, LoadError
 from ._words import in_python
 
 SIDES = ("-z", "+z", "-y", "+y", "-x", "+x")  #: of a volume, at which the probe may be
@@ -104,7 +104,7 @@ def _call(name: str, *arguments: Any) -> None:
         library = _library()
         if not getattr(library, f"hs_seen_{name}")(*arguments):
             reason = library.hs_seen_error().decode("utf-8", "replace")
-            raise SmartVisError(reason + _runtime.cure(reason)) if name == "look" else ValueError(reason)
+            raise DeviceError(reason + _runtime.cure(reason)) if name == "look" else ValueError(reason)
 
 
 @dataclass
@@ -186,7 +186,7 @@ class Levels:
         return Grid((slices, height, width), (view.box[0], view.box[1]), rows, told, beams, view)
 
     def look(self, grid: Grid) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
-        """The grid's voxels, and of every ray the first scanned slice and the first behind. SmartVisError: OpenCL
+        """The grid's voxels, and of every ray the first scanned slice and the first behind. DeviceError: OpenCL
         fails."""
         voxels = np.empty(grid.shape, np.uint8)
         ranges = np.empty((*grid.shape[1:], 2), np.uint16)

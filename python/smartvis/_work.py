@@ -11,7 +11,7 @@ from typing import Any
 
 from . import _sequence
 from ._clip import ClipperCache, clip
-from ._errors import FileError, LoadError, OutputError, PluginError, SmartVisError
+from ._errors import FileError, LoadError, OutputError, SmartVisError, state_of
 from ._files import Source, stem
 from ._plugin import Plugin, load
 from ._products import PRODUCTS, image_of, write
@@ -144,17 +144,17 @@ def fill(
         row.clip_ms = 1e3 * (time.perf_counter() - start)
         _describe(row, result)
     except MemoryError:
-        row.state, row.reason = "input", f"{source.path}: no memory to clip it"
+        row.state, row.reason = "memory", f"{source.path}: no memory to clip it"
         return
     except (SmartVisError, ValueError) as error:
-        row.state, row.reason = "plugin" if isinstance(error, PluginError) else "input", str(error)
+        row.state, row.reason = state_of(error), str(error)
         return
     try:
         start = time.perf_counter()
         write_all(image, result)
         row.write_ms = 1e3 * (time.perf_counter() - start)
     except MemoryError:
-        row.state, row.reason = "output", f"{source.path}: no memory to write its results"
+        row.state, row.reason = "memory", f"{source.path}: no memory to write its results"
     except (FileError, ValueError) as error:
         row.state, row.reason = "output", str(error)
 

@@ -20,7 +20,7 @@ from types import SimpleNamespace
 from typing import Any, NoReturn
 
 from . import __version__, _kretz, _process, _runtime
-from ._errors import FileError, HostError, LoadError, OutputError, PluginError, SmartVisError
+from ._errors import FileError, HostError, LoadError, OutputError, PluginError, SmartVisError, state_of
 from ._files import SUFFIXES, Source, stem
 from ._found import find_files
 from ._plugin import Parameter, load
@@ -30,8 +30,8 @@ from ._text import plain
 from ._view import PLACES
 from ._work import Row, Sequences, Settings, clip_one, name_of
 
-OK, FAILED, USAGE, INPUT, PLUGIN, OUTPUT = 0, 1, 2, 3, 4, 6
-CODES = {"ok": OK, "input": INPUT, "plugin": PLUGIN, "output": OUTPUT}
+OK, FAILED, USAGE, INPUT, PLUGIN, DEVICE, OUTPUT, MEMORY = 0, 1, 2, 3, 4, 5, 6, 7
+CODES = {"ok": OK, "input": INPUT, "plugin": PLUGIN, "device": DEVICE, "output": OUTPUT, "memory": MEMORY}
 
 
 def numbers(count: int, expected: str = "", holds: Callable[[Any], bool] = lambda values: True) -> Any:
@@ -370,11 +370,9 @@ def parser_of() -> argparse.ArgumentParser:
 def fail(error: Exception) -> int:
     """Says what went wrong; returns the exit code."""
     tell(error)
-    if isinstance(error, (PluginError, LoadError)):
-        return PLUGIN
-    if isinstance(error, OutputError) or (isinstance(error, OSError) and not isinstance(error, SmartVisError)):
-        return OUTPUT
-    return INPUT if isinstance(error, (FileError, HostError)) else USAGE
+    if isinstance(error, (FileError, HostError, LoadError, PluginError, MemoryError)):
+        return CODES[state_of(error)]
+    return OUTPUT if isinstance(error, OSError) and not isinstance(error, SmartVisError) else USAGE
 
 
 def signed(words: Sequence[str], *more: str) -> list[str]:
@@ -401,7 +399,7 @@ def guarded(command: Callable[[], int]) -> int:
         code = command()
         sys.stdout.flush()
         return code
-    except (SmartVisError, ValueError, OSError) as error:
+    except (SmartVisError, ValueError, OSError, MemoryError) as error:
         return fail(error)
     except KeyboardInterrupt:
         return 130

@@ -2,6 +2,7 @@
 """The command line: any file in, volume, depthmap, mesh and picture out, in the file's own geometry; exit codes."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -187,6 +188,12 @@ def test_what_goes_wrong_is_said_once(tmp_path: Path, image) -> None:
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=LONG, check=False)
     said = ended.stdout + ended.stderr
     assert ended.returncode == 4 and said.count("kernel is 24") == 1 and "Files are in" not in said
+    (tmp_path / "file").write_text("")
+    environment = os.environ | {"POCL_CACHE_DIR": str(tmp_path / "file")}
+    if any(Path("/etc/OpenCL/vendors").glob("pocl*")):
+        command = [PROGRAM, "clip", "head.nrrd", "--out", "o"]
+        ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment, check=False)
+        assert ended.returncode == 5 and "kernel cache" in ended.stdout and "Files are in" not in ended.stdout
     with open("/dev/full", "w") as full:
         command = [PROGRAM, "parameters"]
         ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=LONG, check=False)
