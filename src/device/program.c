@@ -140,10 +140,8 @@ sv_status sv_program_build(sv_diag *diag, const sv_device *device, const sv_stru
                    "-DSV_SUBSTEPS=%u -DSV_STRIP=%u -DSV_PADDED=%d -DSV_RANGED=%d -DSV_FETCH_AHEAD=%d",
                    structure->substeps, structure->strip, structure->padded, structure->ranged,
                    structure->fetch_ahead);
-    sv_status status = !structure->needs_profile
-                           ? SV_OK
-                           : build_part(diag, device, sv_kernels_profile, sv_kernels_profile_size, options,
-                                        create_profile_kernels, out);
+    sv_status status = build_part(diag, device, sv_kernels_profile, sv_kernels_profile_size, options,
+                                  create_profile_kernels, out);
     (void)snprintf(options, sizeof options, "-DSV_SUBSTEPS=%u -DSV_WIDE_SUMS=%d", structure->substeps,
                    structure->wide_sums);
     if (status == SV_OK)

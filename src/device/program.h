@@ -25,8 +25,8 @@ struct sv_builds {
 /* Releases the programs; their kernels stay. A zeroed struct may be passed. */
 void sv_builds_release(sv_builds *builds);
 
-/* Every kernel by its name in cl/: the ray profiles, a program of their own, and what every frame does with
- * them. */
+/* Every kernel by its name in cl/ that methods on points need: the ray profiles, a program of their own, and
+ * what a frame does with them. */
 #define SV_PROFILE_KERNELS(X) X(profile_strip) X(profile_rays)
 #define SV_FRAME_KERNELS(X)                                                                                  \
     X(scanned_planes)                                                                                        \
@@ -51,7 +51,7 @@ typedef struct {
 } sv_program;
 
 /* The kernels of a program of its own, by their place in its list of names. */
-#define SV_MAX_METHOD_KERNELS 29
+#define SV_MAX_METHOD_KERNELS 30
 typedef struct {
     cl_kernel kernel[SV_MAX_METHOD_KERNELS];
 } sv_kernel_set;
@@ -66,13 +66,12 @@ void sv_kernel_set_release(sv_kernel_set *set);
 
 /* What changes the code; the same names stand in cl/. */
 typedef struct {
-    uint32_t substeps;  /* SV_SUBSTEPS */
-    uint32_t strip;     /* SV_STRIP: 16, 32, 64 */
-    bool padded;        /* SV_PADDED */
-    bool ranged;        /* SV_RANGED */
-    bool wide_sums;     /* SV_WIDE_SUMS */
-    bool fetch_ahead;   /* SV_FETCH_AHEAD */
-    bool needs_profile; /* the method takes points: the ray profiles are built, too */
+    uint32_t substeps; /* SV_SUBSTEPS */
+    uint32_t strip;    /* SV_STRIP: 16, 32, 64 */
+    bool padded;       /* SV_PADDED */
+    bool ranged;       /* SV_RANGED */
+    bool wide_sums;    /* SV_WIDE_SUMS */
+    bool fetch_ahead;  /* SV_FETCH_AHEAD */
 } sv_structure;
 
 /* Builds the program. SV_ERR_BUILD: the build log is in the host's log. */

@@ -44,18 +44,17 @@ static sv_status build_and_test(sv_instance *in, const sv_config *config, const 
                               .strip = strip,
                               .padded = sv_is_padded(config),
                               .ranged = config->ranged,
-                              .needs_profile = sv_chain_needs_profile(config),
                               .fetch_ahead =
                                   (strip > 16) && (uint64_t)config->width * config->height * config->slices >
                                                       FETCH_AHEAD_BYTES};
     const bool needs_wide = sv_chain_needs_wide(config);
-    if (!structure.needs_profile && !config->ranged) return SV_OK; /* the method's own kernels do it all */
+    if (!sv_chain_needs_profile(config)) return SV_OK; /* the method's own kernels do it all */
     sv_status status = sv_program_build(in->diag, &in->device, &structure, &in->narrow);
     if (status == SV_OK && needs_wide) {
         structure.wide_sums = true;
         status = sv_program_build(in->diag, &in->device, &structure, &in->wide);
     }
-    if (status == SV_OK && structure.needs_profile)
+    if (status == SV_OK)
         status =
             sv_selftest(in->diag, &in->device, &in->narrow, needs_wide ? &in->wide : NULL, config, activated);
     if (status != SV_OK) {
@@ -84,9 +83,9 @@ static void tell_times(const sv_instance *in, double seconds) {
     char kept[40] = "";
     if (in->builds.kept > 0) (void)snprintf(kept, sizeof kept, ", %u of them kept in files", in->builds.kept);
     sva_say(in->diag, SV_LOG_INFO,
-            "activate: %.2f s; of it %.2f s for building %u programs%s, the rest for the first run of their "
-            "kernels",
-            seconds, in->builds.seconds, in->builds.built, kept);
+            "activate: %.2f s; of it %.2f s for building %u program%s%s, the rest for the first run of "
+            "their kernels",
+            seconds, in->builds.seconds, in->builds.built, in->builds.built == 1 ? "" : "s", kept);
 }
 
 /* Kernels, self-tests and buffers, on an open device. */

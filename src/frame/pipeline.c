@@ -240,7 +240,9 @@ sv_status sv_pipeline_scanned(sv_pipeline *p, const sv_scanned *ranges, cl_mem o
         if (status != SV_OK) return status;
     }
     const cl_ulong first = offset / sizeof(cl_ushort);
-    sv_launch l = SV_LAUNCH(&p->map, scanned_planes);
+    const cl_kernel kernel = p->chain.needs_profile ? p->map.program->scanned_planes
+                                                    : p->chain.state.kernels.kernel[SV_METHOD_SCANNED];
+    sv_launch l = sv_launch_begin(&p->queue, kernel, "scanned_planes");
     sv_launch_buffer(&l, object ? object : p->buffers.ranges);
     sv_launch_arg(&l, sizeof first, &first);
     sv_launch_uint(&l, c->width);

@@ -162,6 +162,8 @@ typedef struct {
     cl_mem state8, state16, histogram;
 } sv_ray_states;
 
+#define SV_METHOD_SCANNED 0 /* the place of scanned_planes in its list (cl/profile/scanned.cl) */
+
 typedef struct {
     /* What it means: the scalar definition, which the self-test holds the device to, within its bound. */
     const sv_ref_method *definition;
@@ -185,7 +187,8 @@ typedef struct {
     sv_status (*prepare)(const sv_map *map, sv_method_state *state);
 
     /* For methods that need more of the volume than the points: all three, and then no `run`; or NULL. Such a
-     * method is asked for no points and is not filtered; the map has no surfaces. `slabs` takes slabs, and
+     * method is asked for no points and is not filtered; the map has no surfaces; and SV_METHOD_SCANNED is a
+     * kernel of its own program, so that no other is built for it. `slabs` takes slabs, and
      * `find` all of them: it writes the record, sv_stats' part. `place` writes the depthmap at q, after
      * `find` and for every other q. */
     sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *slabs);

@@ -6,6 +6,7 @@
 
 /* clang-format off */
 #define KERNELS(KERNEL) \
+    KERNEL(SCANNED, "scanned_planes") \
     KERNEL(RANGE, "wall_items_range") \
     KERNEL(DOWNSAMPLE, "wall_items_downsample") \
     KERNEL(BLOCKS, "wall_items_blocks") \
@@ -40,6 +41,7 @@
 #define NAME(key, name)  name,
 enum { KERNELS(PLACE) K_COUNT };
 const char *const sv_wall_items_kernels[] = {KERNELS(NAME) NULL};
+_Static_assert(K_SCANNED == SV_METHOD_SCANNED, "the frame finds it");
 _Static_assert(K_COUNT <= SV_MAX_METHOD_KERNELS, "every kernel has a place");
 
 sv_source sv_wall_items_source(void) {

@@ -6,6 +6,7 @@
 
 /* clang-format off */
 #define KERNELS(KERNEL) \
+    KERNEL(SCANNED, "scanned_planes") \
     KERNEL(DOWNSAMPLE, "wall_downsample") \
     KERNEL(BLOCKS, "wall_blocks") \
     KERNEL(GATHER, "wall_gather") \
@@ -33,6 +34,7 @@
 #define NAME(key, name)  name,
 enum { KERNELS(PLACE) K_COUNT };
 const char *const sv_wall_rows_kernels[] = {KERNELS(NAME) NULL};
+_Static_assert(K_SCANNED == SV_METHOD_SCANNED, "the frame finds it");
 
 sv_source sv_wall_rows_source(void) {
     return (sv_source){sv_kernels_wall, sv_kernels_wall_size};
