@@ -70,7 +70,7 @@ uint32_t hs_loop_ray_steps(const hs_loop *loop, uint32_t index) {
     return hs_screen_steps(loop->screen, loop->volume, &camera);
 }
 
-#define PLUGIN_STAGE_FRAMES 7u /* extra frames with the plugin's own timing on */
+#define PLUGIN_STAGE_FRAMES 7u /* at most so many extra frames with the plugin's own timing on */
 
 static int ascending(const void *a, const void *b) {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -106,12 +106,14 @@ static void count_outcome(hs_loop_result *result, const hs_frame *frame) {
 static bool measure_plugin_stages(hs_loop *loop, hs_loop_result *result, hs_error *err) {
     if (!hs_clipper_time_stages(loop->clipper, true)) return true;
     double ms[5][PLUGIN_STAGE_FRAMES];
+    const uint32_t frames = loop->options.frames;
+    const uint32_t extra = frames < PLUGIN_STAGE_FRAMES ? frames : PLUGIN_STAGE_FRAMES;
     uint32_t got = 0;
     bool ok = true;
-    for (uint32_t i = 0; ok && i < PLUGIN_STAGE_FRAMES; i++) {
+    for (uint32_t i = 0; ok && i < extra; i++) {
         hs_frame frame;
         sv_stage_times times;
-        ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, i % loop->options.frames, &frame, err);
+        ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, i, &frame, err);
         if (!ok || !hs_clipper_stage_times(loop->clipper, &times)) continue;
         const double stage[5] = {times.transfer_ms, times.profile_ms, times.threshold_ms,
                                  times.reconstruct_ms, times.output_ms};
