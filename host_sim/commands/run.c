@@ -51,9 +51,14 @@ static bool open_plugin(hs_run *run, hs_error *err) {
     return true;
 }
 
+/* A child that compiles needs no more of a scene: a kernel is the same for volumes of all sizes. */
+enum { SIZE_TO_COMPILE = 32 };
+
 static bool open_volumes(hs_run *run, hs_error *err) {
     const hs_run_request *r = &run->request;
-    if (r->scene.name) return hs_source_open_scene(&run->source, &r->scene, err);
+    hs_source_scene scene = r->scene;
+    if (hs_child_is_one() && scene.size > SIZE_TO_COMPILE) scene.size = SIZE_TO_COMPILE;
+    if (scene.name) return hs_source_open_scene(&run->source, &scene, err);
     return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->files, err);
 }
 
@@ -75,11 +80,12 @@ static bool create_loop(hs_run *run, hs_error *err) {
     return run->loop != NULL;
 }
 
-/* The parent's side: a frame without the plugin, and where its rays end, which the pictures ask for. The
- * child's side is to open the same and leave. */
+/* The parent's side: a small frame without the plugin, and where its rays end, which the pictures ask for.
+ * The child's side is to open the same and leave. */
 static bool compile_host(hs_run *run, hs_error *err) {
     hs_loop_options options = run->request.loop;
     hs_frame frame;
+    options.dvr.width = options.dvr.height = SIZE_TO_COMPILE;
     float *ends = calloc((size_t)options.dvr.width * options.dvr.height + 1u, sizeof *ends);
     hs_loop *loop = hs_loop_create(&run->cl, &run->source, NULL, &options, err);
     const bool ok = ends && loop && hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, err) &&
