@@ -10,7 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import SimpleITK as sitk
-from common import SUFFIXES, Truth, judged
+from common import NEAR_MM, SUFFIXES, Truth, far, judged
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "python/tests"))
+from result_doors import DOORS, takes, through  # type: ignore[import-not-found]
 
 import smartvis
 from smartvis import _host
@@ -58,7 +61,9 @@ def make(folder: Path) -> None:
     ours = folder / "ours"
     for suffix in SUFFIXES:
         clip(folder / "scan.nrrd", ours, "clipped,depth,mask", suffix)
-        clip(folder / "unsaid.mha", ours, "clipped", suffix)
+    (folder / "unsaid").mkdir()
+    for door, suffix, made in through(folder / "unsaid.mha", folder / "doors"):
+        made.rename(folder / "unsaid" / f"{door}{suffix}")
     clip(folder / "scan.nrrd", ours, "mesh")
     clip(folder / "beat.nrrd", ours, "clipped", ".seq.nrrd")
     few = ["--frames", "2", "--few-pictures", "--picture", "32", "--setting", "smartvis", "--write", "clipped"]
@@ -105,13 +110,28 @@ def read(folder: Path) -> None:
             form = path.name.removeprefix("scan")
             print(json.dumps({"peer": path.parent.name, "form": form, "said": told(truth, path)}))
     for path in sorted((folder / "again").glob("*/*")):
-        source = Source(path)
-        source.read()
-        print(
-            json.dumps(
-                {"again": path.parent.name, "form": path.name, "said": "said" if source.knows_patient else "not said"}
-            )
-        )
+        print(json.dumps(told_again(truth, path)))
+
+
+def told_again(truth: Truth, path: Path) -> dict[str, str]:
+    """What a peer made of a result of ours of which nobody said how it lies in the patient, and the same door of that."""
+    door, suffix = path.name.partition(".")[0], "".join(path.suffixes)
+    came, said = read_of(path)
+    right = judged(truth.clipped[0], truth.places[0], sitk.GetArrayFromImage(came), affine(came))
+    if right == "right" and takes(door, path, suffix):
+        made, says = read_of(DOORS[door](path, path.parent / f"{door}-of-it{suffix}.d", suffix))
+        right = "says more" if says and not said else "right" if lies_on(made, came) else "elsewhere"
+    of = {"again": path.parent.name, "form": suffix, "door": door}
+    return of | {"said": "said" if said else "not said", "right": right}
+
+
+def read_of(path: Path) -> tuple[sitk.Image, bool]:
+    source = Source(path)
+    return source.read(), source.knows_patient
+
+
+def lies_on(made: sitk.Image, came: sitk.Image) -> bool:
+    return far(affine(came), affine(made), came.GetSize()[::-1]) < NEAR_MM
 
 
 if __name__ == "__main__":

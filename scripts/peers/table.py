@@ -86,17 +86,25 @@ def of_theirs(rows: list[dict[str, str]]) -> str:
     return "<br>".join(f"{many[said]}: {said}" for said in sorted(many, key=lambda said: said != "right"))
 
 
+def of_again(rows: list[dict[str, str]]) -> str:
+    """Whether a peer's file of a result says more of the patient than that did, and what our doors make of the file."""
+    said: dict[str, set[str]] = defaultdict(set)
+    for row in rows:
+        said[row["form"]].add(row["said"])
+    forms = ", ".join(f"`{form}`: {' or '.join(sorted(said[form]))}" for form in sorted(said))
+    wrong = [f"{row['door']}, `{row['form']}`: {row['right']}" for row in rows if row["right"] != "right"]
+    back = f"Back through all {len({row['door'] for row in rows})} doors of ours: {', '.join(wrong) or 'right'}."
+    return f"What nobody said of the patient, in its files: {forms}. {back}"
+
+
 def table(folder: Path) -> str:
     theirs: dict[str, list[dict[str, str]]] = defaultdict(list)
     for _, name, _, kinds, _ in PEERS:
         if name not in ONLY_READ:
             lines(python_of(name), HERE / "write.py", folder, name)
-    again: dict[str, list[str]] = defaultdict(list)
+    again: dict[str, list[dict[str, str]]] = defaultdict(list)
     for row in lines(os.environ["OURS"], HERE / "ours.py", "read", folder):
-        if "again" in row:
-            again[row["again"]].append(f"`{row['form'].removeprefix('unsaid')}`: {row['said']}")
-        else:
-            theirs[row["peer"]].append(row)
+        (again[row["again"]] if "again" in row else theirs[row["peer"]]).append(row)
     head = ["peer", *(f"`{kind}`" for kind in ALL[:-1]), "`.mha`, a sequence", "`.ply`", "we read of it", "to be said"]
     out = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     for title, name, distribution, kinds, note in PEERS:
@@ -104,7 +112,7 @@ def table(folder: Path) -> str:
         of_ours = {row["kind"]: row["said"] for row in said}
         theirs[name] += [{"form": kind, "said": of_ours[kind]} for kind in of_ours if kind not in KINDS]
         cells = [of_ours.get(kind, "–") for kind in KINDS]
-        note += f"<br>What nobody said of the patient, in its files: {', '.join(again[name])}." if name in again else ""
+        note += f"<br>{of_again(again[name])}" if name in again else ""
         cells = [f"{title} {version(name, distribution)}", *cells, of_theirs(theirs[name]) or "–", note]
         out.append("| " + " | ".join(cells) + " |")
     return "\n".join(out) + "\n"

@@ -312,7 +312,7 @@ if __name__ == "__main__":
     made = Path(sys.argv[1], "theirs", peer)
     made.mkdir(parents=True)
     globals()[peer](truth.scan, truth.places[0], made)
-    again = globals().get(f"{peer}_again")  # a result of which nobody said how it lies in the patient
-    for suffix in SUFFIXES if again else ():
+    again = globals().get(f"{peer}_again")  # results, by all doors, of which nobody said how they lie in the patient
+    for path in sorted(Path(sys.argv[1], "unsaid").iterdir()) if again else ():
         Path(sys.argv[1], "again", peer).mkdir(parents=True, exist_ok=True)
-        again(Path(sys.argv[1], f"ours/unsaid_clipped{suffix}"), Path(sys.argv[1], f"again/{peer}/unsaid{suffix}"))
+        again(path, Path(sys.argv[1], "again", peer, path.name))
