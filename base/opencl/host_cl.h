@@ -15,6 +15,7 @@ typedef struct {
     uint32_t lanes;         /* rays or voxels a work item of those kernels handles: 16 on CPUs, else 1 */
     char device_name[256];
     bool is_cpu; /* the device is a CPU: it shares the host's memory */
+    bool quick;  /* the program was compiled without optimisation (smartvis/author_programs.h) */
 } hs_cl;
 
 /* Opens the device that smartvis/device.h finds. False with HS_ERR_DEVICE and what to do about it; `cl` is

@@ -36,10 +36,11 @@ static bool erase(const char *path) {
     return ok && remove(path) == 0;
 }
 
-/* PoCL's own entries: folders of two letters from A to P, and files on their way. */
+/* PoCL's own entries: folders of two letters from A to P, and files on their way; and what we say of them. */
 static bool is_pocls(const char *name) {
     static const char letters[] = "ABCDEFGHIJKLMNOP";
-    return (strlen(name) == 2 && strspn(name, letters) == 2) || strncmp(name, "tempfile", 8) == 0;
+    return (strlen(name) == 2 && strspn(name, letters) == 2) || strncmp(name, "tempfile", 8) == 0 ||
+           strcmp(name, "smartvis") == 0;
 }
 
 /* Whatever else lies in the folder stays. One that is not there is empty. */

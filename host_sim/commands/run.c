@@ -2,6 +2,7 @@
 #include "commands/run.h"
 
 #include "core/progress.h"
+#include "core/system.h"
 #include "guard/child.h"
 #include "loop/view.h"
 #include "plugin/loader_param.h"
@@ -120,8 +121,23 @@ static bool open_loop(hs_run *run, hs_error *err) {
     return ok;
 }
 
+/* Optimising takes as long as this many pixels take without. */
+#define FEW_PIXELS (8.0 * 512 * 512)
+
+/* Asks for kernels that are there soon (smartvis/author_programs.h), unless the user has said otherwise. */
+static void hurry_if_little(const hs_run_request *r) {
+    const hs_dvr_settings *picture = &r->loop.dvr;
+    const bool one_volume = r->volume_count <= 1 && r->scene.volumes <= 1;
+    int settings = 0;
+    for (int s = 0; s < HS_SETTING_COUNT; s++) settings += r->settings[s];
+    const double pixels = (double)picture->width * picture->height * settings * (r->loop.frames + 1.0);
+    if (r->alone && one_volume && !r->loop.live && pixels <= FEW_PIXELS)
+        sys_set_default("SMARTVIS_QUICK_KERNELS", "1");
+}
+
 bool hs_run_open(hs_run *run, const hs_run_request *request, hs_error *err) {
     *run = (hs_run){.request = *request};
+    hurry_if_little(request);
     if (open_plugin(run, err) && open_source(run, err) && open_loop(run, err)) return true;
     hs_error ignored = {0}; /* the first failure is told */
     (void)hs_run_close(run, &ignored);

@@ -58,6 +58,10 @@ static void print_facts(const hs_run *run, FILE *out) {
     (void)fprintf(out, "Slabs    %u x %u x %u voxels in %u slabs of %u slices, %s\n", l->width, l->height,
                   l->slices, hs_slab_count(l), l->slab_slices, carrier_name(o->carrier));
     if (run->has_plugin) (void)fprintf(out, "Scanned  told by %s\n", hs_fan_name(o->fan));
+    if (run->cl.quick)
+        (void)fprintf(out,
+                      "Kernels  compiled without optimisation, which takes longer than so few frames: times "
+                      "are some five times as long\n         ('host_sim prepare' optimises)\n");
     (void)fprintf(out, "Frames   %u a setting, after one that is not counted\n\n", o->frames);
 }
 

@@ -48,6 +48,8 @@ static void print_help(FILE *out) {
         "  SMARTVIS_DEVICE       cpu or gpu: narrows the choice of the OpenCL device\n"
         "  SMARTVIS_KERNEL_CACHE folder of compiled kernels, where the OpenCL runtime keeps none\n"
         "                        [smartvis/kernels in $XDG_CACHE_HOME or ~/.cache]; empty: none are kept\n"
+        "  SMARTVIS_QUICK_KERNELS 1: kernels are compiled without optimisation, if they never were with it\n"
+        "                        [run: 1 for a few frames]; empty: with it\n"
         "  SMARTVIS_PLUGIN_PATH  folders, parted by '%s', in which a plugin is looked for by its name; "
         "behind\n"
         "                        them ../lib/smartvis beside the folder of host_sim",

@@ -39,13 +39,14 @@ static bool fail_build(const hs_cl *cl, cl_program program, cl_int code, hs_erro
 /* Builds kernels that are written for cl->lanes as the host's own are (cl/base.cl). HS_ERR_DEVICE with the
  * first lines of the build log. The caller releases *program, also after a failure, unless it is NULL. Why a
  * program is not kept for the next process, the plugin tells for both. */
-static bool build_program(const hs_cl *cl, const unsigned char *text, size_t bytes, cl_program *program,
+static bool build_program(hs_cl *cl, const unsigned char *text, size_t bytes, cl_program *program,
                           hs_error *err) {
     const char *options = cl->lanes == 16 ? "-cl-std=CL1.2 -w -DLANES=16" : "-cl-std=CL1.2 -w -DLANES=1";
     const char *source = (const char *)text;
     sva_built built;
     sva_program_build(cl->context, cl->device, 1, &source, &bytes, options, &built);
     *program = built.program;
+    cl->quick = built.quick != 0;
     if (!*program) return hs_cl_check(built.code, built.call, err);
     return built.code == CL_SUCCESS || fail_build(cl, *program, built.code, err);
 }

@@ -6,6 +6,10 @@
  *
  * Runtimes that keep nothing, and load what they gave out, are Intel's for processors. If
  * SMARTVIS_KERNEL_CACHE names a folder, programs of all runtimes are kept there.
+ *
+ * If SMARTVIS_QUICK_KERNELS is set and not empty, PoCL 3 compiles without optimisation what was never
+ * compiled with it: in a third of the time, to the same results, for kernels that take some five times as
+ * long. It is for who wants a few frames and then leaves.
  */
 #ifndef SMARTVIS_AUTHOR_PROGRAMS_H
 #define SMARTVIS_AUTHOR_PROGRAMS_H
@@ -20,6 +24,7 @@ typedef struct sva_built {
     cl_int code;              /* CL_SUCCESS, or what this call said: */
     const char *call;         /* clBuildProgram, or one before it */
     int kept;                 /* it comes from a file: nothing was compiled */
+    int quick;                /* without optimisation */
     char why[SVA_BUILT_TEXT]; /* why it is not kept for the next process, where it should be; else "" */
 } sva_built;
 
@@ -157,6 +162,69 @@ static inline void sva_program_compile(cl_context context, cl_device_id device, 
     out->code = clBuildProgram(out->program, 1, &device, s->options, NULL, NULL);
 }
 
+#if SVA_RUNTIME_POSIX
+enum { SVA_PROGRAM_MARK = SVA_CACHE_PATH + 40 };
+
+/* Internal: true if the device is one of PoCL 3, whose kernels' results do not depend on optimisation. */
+static inline int sva_program_is_pocl3(cl_device_id device) {
+    char version[200];
+    cl_platform_id platform = NULL;
+    memset(version, 0, sizeof version);
+    return clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, (void *)&platform, NULL) ==
+               CL_SUCCESS &&
+           clGetPlatformInfo(platform, CL_PLATFORM_VERSION, sizeof version - 1, version, NULL) ==
+               CL_SUCCESS &&
+           strstr(version, " PoCL 3.") != NULL;
+}
+
+/* Internal: the file in PoCL's cache that says: this program was compiled with optimisation. It lies there
+ * because it goes with it. False where there is none. */
+static inline int sva_program_mark(cl_device_id device, const sva_source *s, char *out, size_t bytes) {
+    char cache[SVA_CACHE_PATH];
+    size_t key_bytes = 0;
+    char *key = sva_program_is_pocl3(device) && sva_cache_folder(cache, sizeof cache)
+                    ? sva_program_key(device, s, &key_bytes)
+                    : NULL;
+    if (!key) return 0;
+    (void)snprintf(out, bytes, "%s/smartvis/%016llx", cache,
+                   (unsigned long long)sva_kept_sum(SVA_KEPT_SUM, key, key_bytes));
+    free(key);
+    return 1;
+}
+
+/* Internal: makes it, where that can be done: without it the next quick process compiles once more. */
+static inline void sva_program_set_mark(char *mark) {
+    char *slash = strrchr(mark, '/');
+    *slash = '\0';
+    (void)mkdir(mark, S_IRWXU);
+    *slash = '/';
+    const int file = open(mark, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR);
+    if (file >= 0) (void)close(file);
+}
+
+/* Internal: compiles as the user is in a hurry or not. */
+static inline void sva_program_compile_as_asked(cl_context context, cl_device_id device, const sva_source *s,
+                                                sva_built *out) {
+    static const char without[] = " -cl-opt-disable";
+    char mark[SVA_PROGRAM_MARK];
+    const char *quick = getenv("SMARTVIS_QUICK_KERNELS");
+    const int marks = sva_program_mark(device, s, mark, sizeof mark);
+    const size_t used = strlen(s->options), most = used + sizeof without;
+    char *options = marks && quick && quick[0] && access(mark, F_OK) != 0 ? (char *)malloc(most) : NULL;
+    if (options) {
+        (void)snprintf(options, most, "%s%s", s->options, without);
+        sva_source source = *s;
+        source.options = options;
+        sva_program_compile(context, device, &source, out);
+        out->quick = 1;
+        free(options);
+        return;
+    }
+    sva_program_compile(context, device, s, out);
+    if (marks && out->code == CL_SUCCESS) sva_program_set_mark(mark);
+}
+#endif
+
 /* [control] Builds a program for one device of a source in `count` texts of so many bytes. The caller
  * releases out->program, also after a failure, unless it is NULL. */
 static inline void sva_program_build(cl_context context, cl_device_id device, cl_uint count,
@@ -186,8 +254,10 @@ static inline void sva_program_build(cl_context context, cl_device_id device, cl
         return;
     }
     if (out->code != CL_SUCCESS) return;
-#endif
+    sva_program_compile_as_asked(context, device, &s, out);
+#else
     sva_program_compile(context, device, &s, out);
+#endif
 }
 
 SMARTVIS_END_C

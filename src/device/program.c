@@ -87,6 +87,7 @@ static void note_build(sv_diag *diag, sv_builds *builds, double seconds, const s
     if (!builds) return;
     builds->built++;
     builds->kept += built->kept != 0;
+    builds->quick += built->quick != 0;
     builds->seconds += seconds;
     if (built->why[0] && !builds->told) sva_say(diag, SV_LOG_WARNING, "activate: %s", built->why);
     builds->told |= built->why[0] != '\0';

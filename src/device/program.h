@@ -18,6 +18,7 @@ struct sv_builds {
     uint32_t count;
     uint32_t built; /* programs, */
     uint32_t kept;  /* of which so many came from files, */
+    uint32_t quick; /* and so many were compiled without optimisation, */
     double seconds; /* in so long by the wall clock */
     bool told;      /* why not more are kept */
 };

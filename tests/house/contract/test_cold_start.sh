@@ -1,25 +1,27 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # A run whose kernels were never compiled: nothing is compiled that no frame and no picture launches, no process is left, and the
-# pictures are those of a run whose kernels were there. PoCL's cache has a folder for each kernel that it compiled, so this asks
-# PoCL alone.
+# pictures and maps are those of a run whose kernels were there, and of one whose kernels were optimised. PoCL's cache has a folder
+# for each kernel that it compiled, so this asks PoCL alone.
 set -u
 build_dir=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+optimised=${POCL_CACHE_DIR:-$work/optimised}
 export POCL_CACHE_DIR=$work/cache SMARTVIS_DEVICE=cpu
+unset SMARTVIS_QUICK_KERNELS
 mkdir "$POCL_CACHE_DIR"
 failures=0
 fail() {
     echo "failed: $*"
     failures=$((failures + 1))
 }
-run() { # run FOLDER: one frame
-    "$build_dir/host_sim" run --scene E01 --size 100 --frames 1 --picture 64 --panel 64 --setting smartvis --verbose --out "$work/$1" > "$work/$1.txt" 2>&1 ||
+run() { # run FOLDER QUICK: one frame; of the plugin's programs, so many are quick
+    "$build_dir/host_sim" run --scene E01 --size 100 --frames 1 --picture 64 --panel 64 --setting smartvis --verbose --write depthmap,confidence --out "$work/$1" > "$work/$1.txt" 2>&1 ||
         fail "$1: exit code $?: $(tail -n 20 "$work/$1.txt")"
-    grep -q 'info: activate: [0-9.]* s; of it [0-9.]* s for building 1 program,' "$work/$1.txt" || fail "$1: activate does not tell its time"
+    grep -q "info: activate: [0-9.]* s; of it [0-9.]* s for building 1 program, $2 without optimisation," "$work/$1.txt" || fail "$1: activate does not tell its time"
 }
-run cold
+run cold 1
 compiled=$(find "$POCL_CACHE_DIR" -name '*.so' -printf '%f\n' | sed 's/\.so$//' | sort -u)
 if [ -z "$compiled" ]; then
     echo "skipped: the driver keeps no kernels in POCL_CACHE_DIR"
@@ -32,12 +34,16 @@ for kernel in profile_strip profile_rays frame_end band_mean band_points convert
     if grep -qx "$kernel" <<< "$compiled"; then fail "$kernel was compiled in vain"; fi
 done
 [ "$(wc -l <<< "$compiled")" -le 36 ] || fail "$(wc -l <<< "$compiled") kernels were compiled, at most 36 are needed"
-run warm
+run warm 1
 again=$(find "$POCL_CACHE_DIR" -name '*.so' -printf '%f\n' | sed 's/\.so$//' | sort -u)
 [ "$again" = "$compiled" ] || fail "the second run compiled more: $(comm -13 <(echo "$compiled") <(echo "$again"))"
-for picture in result depthmap slices; do
-    cmp -s "$work/cold/$picture.png" "$work/warm/$picture.png" || fail "$picture.png is another in a cold start"
+SMARTVIS_QUICK_KERNELS='' POCL_CACHE_DIR=$optimised run optimised 0
+for file in result.png depthmap.png slices.png depthmap.mha confidence.mha; do
+    cmp -s "$work/cold/$file" "$work/warm/$file" || fail "$file is another in a cold start"
+    cmp -s "$work/cold/$file" "$work/optimised/$file" || fail "$file is another without optimisation"
 done
+grep -q 'Kernels  compiled without optimisation' "$work/warm.txt" || fail "the run does not say why it is slow"
+if grep -q 'Kernels  compiled' "$work/optimised.txt"; then fail "the optimised run says that it is not"; fi
 # The layer's recording of such a run is whole: no other process of the host writes there.
 POCL_CACHE_DIR=$work SMARTVIS_RECORD=$work/cold.svr "$build_dir/host_sim" run --scene E01 --size 32 --frames 1 --picture 32 --few-pictures \
     --setting smartvis --set method=mean --no-guard --plugin "$build_dir/smartvis_check.so" --out "$work/recorded" > "$work/recorded.txt" 2>&1
