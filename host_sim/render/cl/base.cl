@@ -26,7 +26,11 @@
 #endif
 
 /* Packets are large: handing them to a function by memory costs more than its work. */
+#ifdef SVA_QUICK /* not optimised (smartvis/author_programs.h): each function is compiled once */
+#define INLINE static
+#else
 #define INLINE static inline __attribute__((always_inline))
+#endif
 
 #if LANES == 16
 typedef float16 vf;
