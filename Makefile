@@ -50,7 +50,7 @@ INTEL_TESTS := ^check/test_($(subst $(empty) $(empty),|,$(RUNTIME_TESTS)))$$
 INTEL_CACHE := $(CURDIR)/build/intel/cache
 
 .NOTPARALLEL:
-.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night soak test-intel test-runtimes test-slicer peers test-sanitize test-clang fuzz oclgrind lint lines format bench sites scans surface-page \
+.PHONY: all setup install dist deb try-deb wheel try-wheel aarch64 windows macos spdx demo console report test test-night soak test-intel test-runtimes test-slicer peers test-sanitize test-clang fuzz oclgrind lint lines format bench bench-against sites scans surface-page \
 	validate clean help help-all example-scan
 
 all: ## build/smartvis.so, build/host_sim and build/sv_validate (installs nothing)
@@ -207,6 +207,10 @@ bench: setup # times as ratios to plain C; speed against error of every method, 
 	@scripts/python_env.sh build/python/bench python/requirements-test.txt
 	PYTHONPATH=python SMARTVIS_PLUGIN=build/smartvis.so SMARTVIS_HOST_SIM=build/host_sim \
 	  build/python/bench/bin/python python/bench/surfaces.py --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
+
+bench-against: # this checkout beside COMMIT=..., both built in out/bench_against and run in turn: a table with ratios and goals; QUICK=1: a short one
+	@$(SETUP) $(PACKAGES)
+	@python3 scripts/bench_against.py $(or $(COMMIT),$(error COMMIT=... names what this checkout is compared with)) $(if $(QUICK),--quick) --out $(OUT)/bench_against
 
 # Hard scenes, scenes that no constant was chosen on, and some that were looked at; the site, and volumes that nothing hides.
 HARD_NAMES := $(foreach n,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16,H$(n))
