@@ -21,7 +21,7 @@ from pathlib import Path
 #   any     whatever is found            kernels   the embedded kernels and pages that the build generates
 FLOORS = """
 include | | fixed
-include/smartvis/author*.h include/smartvis/lookup.h include/smartvis/probe.h | abi | fixed libc
+include/smartvis/author*.h include/smartvis/lengths.h include/smartvis/lookup.h include/smartvis/probe.h | abi | fixed libc
 include/smartvis/device.h | abi | fixed libc
 include/smartvis/open.h | abi | fixed libc windows
 include/smartvis | abi | fixed
@@ -37,7 +37,7 @@ base/core/system_windows.c | . | libc windows
 base/core | . | libc json
 base/guard/child_windows.c | base/core . | libc windows
 base/guard | base/core . | libc
-host_sim/volume | base/core . | libc zlib
+host_sim/volume | abi base/core . | libc zlib
 host_sim/picture/*_windows.c | base/core . | libc windows
 host_sim/picture | base/core . | libc drawing
 base/plugin | abi base/core . | libc

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "smartvis/lengths.h"
 #include "volume/fan_fit.h"
 #include "volume/levels.h"
 
@@ -69,23 +70,13 @@ void hs_course_find_noise(hs_volume *v) {
     v->course.noisy = found >= HS_CORNERS_ENOUGH;
 }
 
-/* A factor for all lengths leaves a fan a fan. What tells it is the radius at which the lines begin: that of
- * the probe's array and a little more, for a belly some 40 to 80 mm. A small scan of a small radius was
- * halved, perhaps, and a large one of a large radius doubled. Beams that hardly part have any radius. */
-static const double small = 90.0, large = 170.0, largest = 250.0; /* mm, of the scan at its widest */
-static const double inside = 16.0, low = 42.0, high = 110.0, parallel = 200.0; /* mm, of the radius */
-
 static bool doubts_size(const hs_volume *v, char *out, size_t bytes) {
-    const hs_course *c = &v->course;
-    if (v->beams || c->kind != HS_BEAMS_FAN) return false;
-    const double wide = fmax(v->nx * v->spacing[0], fmax(v->ny * v->spacing[1], v->nz * v->spacing[2]));
-    const bool halved = wide < small && c->face > inside && c->face < low;
-    const bool doubled = wide > largest || (wide > large && c->face > high && c->face < parallel);
-    return (halved || doubled) &&
-           snprintf(out, bytes,
-                    "The scan is %.0f mm wide, and its fan begins %.0f mm from where its lines meet: is the "
-                    "spacing right? --spacing X,Y,Z says it (mm).",
-                    wide, c->face) > 0;
+    const uint32_t count[3] = {v->nx, v->ny, v->nz};
+    char question[SV_LENGTHS_TEXT_BYTES];
+    return !v->beams && v->course.kind == HS_BEAMS_FAN &&
+           sv_lengths_doubt_fan(sv_lengths_widest(count, v->spacing), v->course.face, question,
+                                sizeof question) &&
+           hs_spacing_words(question, out, bytes);
 }
 
 /* Where no fan fits, but one would. */

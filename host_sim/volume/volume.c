@@ -2,6 +2,7 @@
 #include "volume/volume.h"
 
 #include "core/threads.h"
+#include "smartvis/lengths.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -61,48 +62,21 @@ void hs_volume_size_words(const hs_volume *v, char out[HS_SIZE_BYTES]) {
                        v->ny * v->spacing[1], v->nz * v->spacing[2]);
 }
 
-#define NARROWEST 30.0 /* mm, of a prenatal scan at its widest */
-#define WIDEST    400.0
-#define THINNEST  20.0 /* along its shortest side */
-#define UNEVEN    20.0 /* times its shortest side is the longest of a voxel that is doubted */
+bool hs_spacing_words(const char *question, char *out, size_t bytes) {
+    return snprintf(out, bytes, "%c%s --spacing X,Y,Z says it (mm).", question[0] - 'a' + 'A', question + 1) >
+           0;
+}
 
 bool hs_volume_doubt(const hs_volume *v, char out[HS_DOUBT_BYTES]) {
-    static const struct {
-        const char *name;
-        double mm;
-    } units[] = {{"metres", 1e3}, {"centimetres", 10.0}, {"micrometres", 1e-3}, {"nanometres", 1e-6}};
-    const double wide = fmax(v->nx * v->spacing[0], fmax(v->ny * v->spacing[1], v->nz * v->spacing[2]));
-    const char *unit = NULL;
+    const uint32_t count[3] = {v->nx, v->ny, v->nz};
+    char question[SV_LENGTHS_TEXT_BYTES];
     if (v->spacing_unsaid)
         return snprintf(
                    out, HS_DOUBT_BYTES,
                    "The file does not say how far apart its voxels are: no length is known, and all sides "
                    "count as equal. --spacing X,Y,Z says it (mm).") > 0;
-    const double least = fmin(v->spacing[0], fmin(v->spacing[1], v->spacing[2]));
-    const double most = fmax(v->spacing[0], fmax(v->spacing[1], v->spacing[2]));
-    const bool right = v->beams || (wide >= NARROWEST && wide <= WIDEST);
-    const double side[3] = {v->nx * v->spacing[0], v->ny * v->spacing[1], v->nz * v->spacing[2]};
-    const int thin = side[0] <= side[1] && side[0] <= side[2] ? 0 : side[1] <= side[2] ? 1 : 2;
-    const bool map = v->nx == 1 || v->ny == 1 || v->nz == 1; /* beside a volume, not one */
-    const bool flat = !v->beams && !map && side[thin] < THINNEST;
-    const bool even = most < UNEVEN * least;
-    if (right && !flat && even) return false;
-    if (right && even)
-        return snprintf(out, HS_DOUBT_BYTES,
-                        "The volume is %.3g mm wide and %.3g mm along %c: is the spacing right? "
-                        "--spacing X,Y,Z says it (mm).",
-                        wide, side[thin], "xyz"[thin]) > 0;
-    if (right)
-        return snprintf(out, HS_DOUBT_BYTES,
-                        "One side of a voxel is %.3g times as long as another: is the spacing right? "
-                        "--spacing X,Y,Z says it (mm).",
-                        most / least) > 0;
-    for (size_t i = 0; i < sizeof units / sizeof *units && !unit; i++)
-        if (wide * units[i].mm >= NARROWEST && wide * units[i].mm <= WIDEST) unit = units[i].name;
-    (void)snprintf(out, HS_DOUBT_BYTES,
-                   "The volume is %.3g mm wide: is its spacing %s%s? --spacing X,Y,Z says it (mm).", wide,
-                   unit ? "in " : "right", unit ? unit : "");
-    return true;
+    return !v->beams && sv_lengths_doubt(count, v->spacing, question, sizeof question) &&
+           hs_spacing_words(question, out, HS_DOUBT_BYTES);
 }
 
 /* ---------------------------------------------------------- the Cartesian copy of probe geometry -- */

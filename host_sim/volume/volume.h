@@ -146,6 +146,9 @@ void hs_volume_size_words(const hs_volume *volume, char out[HS_SIZE_BYTES]);
  * wide: is its spacing in metres? ..." */
 bool hs_volume_doubt(const hs_volume *volume, char out[HS_DOUBT_BYTES]);
 
+/* A question of smartvis/lengths.h as a person reads it, with what to do. True. */
+bool hs_spacing_words(const char *question, char *out, size_t bytes);
+
 /* Number of voxels. */
 size_t hs_volume_count(const hs_volume *volume);
 

@@ -163,6 +163,9 @@ static inline sv_status sva_on_activate(sva *a, const sv_format *format) {
         a->state = SVA_IDLE;
     else
         sva_release(a);
+    char doubt[SV_LENGTHS_TEXT_BYTES];
+    a->doubted = status >= SV_OK && sv_lengths_doubt_format(format, doubt, sizeof doubt);
+    if (a->doubted) sva_say(a, SV_LOG_WARNING, "activate: %s", doubt);
     return status;
 }
 
@@ -172,6 +175,14 @@ static inline sv_status SV_CALL sva_activate(const sv_plugin *plugin, const sv_f
 }
 
 /* ------------------------------------------------------------------------------------------- frame -- */
+
+/* Once an activation. */
+static inline void sva_doubt_frame(sva *a) {
+    char doubt[SV_LENGTHS_TEXT_BYTES];
+    if (a->doubted || !sv_lengths_doubt_frame(&a->format, &a->frame, doubt, sizeof doubt)) return;
+    a->doubted = 1;
+    sva_say(a, SV_LOG_WARNING, "begin: %s", doubt);
+}
 
 static inline sv_status sva_on_begin(sva *a, const sv_frame *frame) {
     if (a->state == SVA_INACTIVE) return sva_wrong_state(a, "begin");
@@ -192,6 +203,7 @@ static inline sv_status sva_on_begin(sva *a, const sv_frame *frame) {
     if (a->rays) memset(a->rays, 0, sva_rays(a) * a->method->ray_bytes);
     if (a->method->begin) status = sva_heed(a, "begin", a->method->begin(a));
     if (status >= SV_OK) a->state = SVA_SLABS;
+    if (status >= SV_OK) sva_doubt_frame(a);
     return sva_fail(a, status);
 }
 

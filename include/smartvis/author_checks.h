@@ -7,6 +7,7 @@
 #define SMARTVIS_AUTHOR_CHECKS_H
 
 #include "smartvis/author_method.h"
+#include "smartvis/lengths.h"
 #include "smartvis/probe.h"
 
 SMARTVIS_BEGIN_C

@@ -124,7 +124,8 @@ struct sva {
     uint32_t next_slice;
     uint32_t state; /* SVA_INACTIVE .. SVA_FINISHED */
     char reason[512];
-    long busy; /* 1: a call is under way, 2: and then the instance is destroyed */
+    int doubted; /* 1: the log was told that its lengths are those of no scan */
+    long busy;   /* 1: a call is under way, 2: and then the instance is destroyed */
 };
 
 /* ----------------------------------------------------------------------------- what a method may call -- */

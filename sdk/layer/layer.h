@@ -115,6 +115,9 @@ void ly_log(const ly_instance *i, int32_t severity, const char *format, ...)
  * may end the process, and then this is the last line. Nothing for SV_OK. */
 void ly_foretell(ly_instance *i, const char *call, sv_status due, const char *why);
 
+/* A question to the host that breaks no rule, once for each and activation. */
+void ly_doubt(ly_instance *i, rule_name name, const char *call, const char *question);
+
 /* Rule sinks: of the call under way, and of calls from any thread. */
 void ly_broken(void *instance, rule_name name, const char *text);
 void ly_broken_asking(void *instance, rule_name name, const char *text);

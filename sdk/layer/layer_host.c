@@ -153,8 +153,17 @@ static void check_frame(ly_instance *i, const sv_frame *f) {
                 (unsigned long long)i->last_time_ns);
 }
 
+/* No rule: a volume may be as large as no scan. So it is no breach, and `stop` stops nothing. Once a size. */
+static void doubt_lengths(ly_instance *i, const rc_call *c) {
+    char doubt[SV_LENGTHS_TEXT_BYTES];
+    if (c->kind == RC_ACTIVATE ? sv_lengths_doubt_format(c->format, doubt, sizeof doubt)
+                               : sv_lengths_doubt_frame(&i->shadow.format, c->frame, doubt, sizeof doubt))
+        ly_doubt(i, RULE_host_format, rc_names[c->kind], doubt);
+}
+
 static void check_rest(ly_instance *i, const rc_call *c) {
     const rule_sink *to = &i->called;
+    if (c->kind == RC_ACTIVATE || c->kind == RC_BEGIN) doubt_lengths(i, c);
     if (c->kind == RC_ACTIVATE)
         check_reserved(to, "activate", c->format->reserved, c->format->values, c->format->value_count);
     if (c->kind == RC_BEGIN) check_frame(i, c->frame);

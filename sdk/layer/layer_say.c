@@ -89,6 +89,10 @@ void ly_foretell(ly_instance *i, const char *call, sv_status due, const char *wh
                sv_lookup_status(due));
 }
 
+void ly_doubt(ly_instance *i, rule_name name, const char *call, const char *question) {
+    if (is_new(i, question)) ly_log(i, SV_LOG_WARNING, "%s: %s: %s", rules[name].id, call, question);
+}
+
 /* ---- broken rules */
 /* The first three times, then the 10th, the 100th and so on. */
 static bool is_told(uint32_t time) {

@@ -88,10 +88,11 @@ static const sva_method own_method = {.descriptor = &own_descriptor,
 
 /* ---- a host */
 
-static char last_log[300];
+static char last_log[300], last_warning[300];
 
 static void keep_log(const sv_host *host, int32_t severity, const char *text) {
     (void)snprintf(last_log, sizeof last_log, "%s", text);
+    if (severity == SV_LOG_WARNING) memcpy(last_warning, last_log, sizeof last_log);
 }
 
 static const sv_host host = {sizeof host, SV_ABI_MINOR, NULL, "test", "1", keep_log, NULL};
@@ -347,6 +348,72 @@ static sv_status disturbed_finish(sva *a, float *map) {
     return on_finish(a, map);
 }
 
+/* What the log says of a volume of 128 x 128 x `slices` voxels, with its fan's lines from `face` mm (0:
+ * none). */
+static const char *doubt_of(const float mm[3], uint32_t slices, float face) {
+    const sv_plugin *p = make(&own_method);
+    sv_format f = plain_format(128, 128, slices, 1);
+    sv_frame told = {.size = sizeof told, .probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    memcpy(f.spacing_mm, mm, sizeof f.spacing_mm);
+    told.probe_side[2] = -1.0f;
+    told.beams = face > 0.0f ? SV_BEAMS_FAN : SV_BEAMS_UNKNOWN;
+    if (face > 0.0f) told.beam_apex_mm[2] = -0.5f * mm[2] - face;
+    last_warning[0] = '\0';
+    assert_int_equal(p->activate(p, &f), SV_OK); /* a doubt is no error */
+    assert_int_equal(p->begin(p, &told), SV_OK);
+    static char first[sizeof last_warning];
+    memcpy(first, last_warning, sizeof first);
+    last_warning[0] = '\0';
+    assert_int_equal(p->begin(p, &told), SV_OK);
+    assert_string_equal(last_warning, ""); /* once */
+    p->deactivate(p);
+    p->destroy(p);
+    return first;
+}
+
+static void lengths_of_no_scan_are_doubted(void **state) {
+    static const struct {
+        float mm[3], face;
+        uint32_t slices;
+        const char *told;
+    } volumes[] = {
+        {{0, 0, 0}, 0, 128, ""}, /* unknown */
+        {{0.75f, 0.75f, 0.75f}, 0, 128, ""},
+        {{0.00046875f, 0.00046875f, 0.00046875f},
+         0,
+         128,
+         "activate: the volume is 0.06 mm wide: is its spacing in metres?"},
+        {{0.075f, 0.075f, 0.075f},
+         0,
+         128,
+         "activate: the volume is 9.6 mm wide: is its spacing in centimetres?"},
+        {{4, 4, 4}, 0, 128, "activate: the volume is 512 mm wide: is its spacing right?"},
+        {{0.75f, 0.75f, 0.05f},
+         0,
+         128,
+         "activate: the volume is 96 mm wide and 6.4 mm along z: is the spacing right?"},
+        {{0.75f, 0.75f, 18},
+         0,
+         12,
+         "activate: one side of a voxel is 24 times as long as another: is the spacing right?"},
+        {{0.75f, 0.75f, 0.75f}, 50, 128, ""},
+        {{0.375f, 0.375f, 0.375f},
+         25,
+         128,
+         "begin: the scan is 48 mm wide, and its fan begins 25 mm from where its lines meet: is the spacing "
+         "right?"},
+        {{1.5f, 1.5f, 1.5f},
+         120,
+         128,
+         "begin: the scan is 192 mm wide, and its fan begins 120 mm from where its lines meet: is the "
+         "spacing "
+         "right?"},
+        {{0.5f, 0.5f, 0.5f}, 11, 128, ""}, /* a probe within the body */
+    };
+    for (size_t n = 0; n < sizeof volumes / sizeof *volumes; n++)
+        assert_string_equal(doubt_of(volumes[n].mm, volumes[n].slices, volumes[n].face), volumes[n].told);
+}
+
 static void calls_that_overlap(void **state) {
     static const char *const calls[] = {"activate", "begin",      "slab",   "end",
                                         "adjust",   "deactivate", "destroy"};
@@ -373,4 +440,4 @@ static void calls_that_overlap(void **state) {
 }
 
 UNIT_MAIN(NULL, NULL, a_method_that_fails, calls_that_overlap, parameters, voxels_and_ranges,
-          where_the_probe_is, wrong_tables)
+          where_the_probe_is, lengths_of_no_scan_are_doubted, wrong_tables)

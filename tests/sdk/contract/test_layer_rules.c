@@ -308,4 +308,21 @@ static void every_rule_is_broken_and_named(void **state) {
             fail_msg("%s is %s here", rules[n].id, broken[n] ? "seen" : "not broken");
 }
 
-UNIT_MAIN(NULL, NULL, every_rule_is_broken_and_named)
+/* A volume that is as large as no scan breaks no rule: the host is asked, also where breaches are stopped. */
+static void lengths_are_asked_about(void **state) {
+    static const char asked[] = "activate: the volume is 0.06 mm wide: is its spacing in metres?\n";
+    (void)setenv("SMARTVIS_CHECK", "stop", 1);
+    layer_subject *s = layer_open(CPU);
+    for (int k = 0; k < 3; k++) s->format.spacing_mm[k] = 0.0025f;
+    layer_create(s);
+    layer_use(s);
+    const char *line = find(s, RULE_host_format, asked);
+    if (!line) fail_msg("%s", s->log);
+    assert_int_equal(line[-2] - '0', SV_LOG_WARNING);
+    assert_null(find(s, RULE_host_format, "Read the descriptor")); /* of a breach */
+    assert_true(s->stats.rays == RAYS);
+    layer_close(s);
+    (void)unsetenv("SMARTVIS_CHECK");
+}
+
+UNIT_MAIN(NULL, NULL, lengths_are_asked_about, every_rule_is_broken_and_named)
