@@ -83,7 +83,9 @@ static bool choose_face(const hs_volume *v, const border *b, double *room, hs_co
         if (stated && n == 0 && held == 1) break;
     }
     if (held == 1 && (!stated || face[0] == v->probe)) return true;
-    const bool ahead = first > 0.5 && first > second + 0.1 && !(stated && face[0] == v->probe);
+    const bool narrows = first > second + 0.1, there = stated && face[0] == v->probe;
+    const bool ahead = narrows && !there;
+    c->fits_none = narrows && there;
     c->asked[0] = face[0];
     c->asked[1] = face[1];
     c->asked_count = held > 1 ? 2 : ahead ? 1 : 0;
@@ -119,10 +121,7 @@ void hs_volume_find_beams(hs_volume *v) {
         c->found = !stated;
         take(v, face[0], &best, &b);
     }
-    if (outlined && !v->spacing_unsaid) {
-        (void)hs_fan_find_scale(v, &b, face, best.share, room, c->fits);
-        c->fits_none = stated && !held;
-    }
+    if (outlined && !v->spacing_unsaid) (void)hs_fan_find_scale(v, &b, face, best.share, room, c->fits);
     if (c->kind != HS_BEAMS_FAN) hs_course_find_noise(v);
     if (c->kind == HS_BEAMS_PARALLEL && v->apex_said && !v->spacing_unsaid) hs_course_take_said(v);
     hs_volume_fill_fan(v);

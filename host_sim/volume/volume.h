@@ -51,7 +51,7 @@ typedef struct {
     uint32_t asked_count;
     double
         fits[3]; /* mm: with this spacing a fan fits, and with the volume's own none; of zeros: none found */
-    bool fits_none; /* the probe's face was stated, something ends the scan, and no fan from there does */
+    bool fits_none; /* the probe's face was stated and the scan narrows to it, but is no fan from there */
     bool noisy;     /* corners are dark, and not alike: perhaps nothing was scanned there */
 } hs_course;
 

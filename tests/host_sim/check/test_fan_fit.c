@@ -4,6 +4,7 @@
  * geometry, whose formula is that of a Kretz file, cropped, coarse, and from every face of the volume. What
  * is no fan is none.
  */
+#include "support/fan_fixture.h"
 #include "support/host_fixture.h"
 #include "support/scene_fixture.h"
 #include "volume/fan_fit.h"
@@ -11,83 +12,6 @@
 
 #include <math.h>
 #include <sys/stat.h>
-
-typedef struct {
-    double start, depth, axis, theta, phi; /* mm; rad, half of what they span */
-    double spacing;                        /* mm */
-    double from[3], to[3];                 /* the part of the volume that the file has */
-} geometry;
-
-#define WHOLE                                                                                                \
-    {0, 0, 0}, {                                                                                             \
-        1, 1, 1                                                                                              \
-    }
-/* Abdominal probes of three makes, one with its axis behind the array; a file that ends within the fan on
- * three sides; an endocavity probe; coarse voxels. */
-static const geometry geometries[] = {{57, 90, 23, 0.47, 0.56, 0.6, WHOLE},
-                                      {41.6, 80, -19.2, 0.62, 0.74, 0.7, WHOLE},
-                                      {57, 80, 23, 0.5, 0.56, 0.6, {0.35, 0, 0.02}, {1, 1, 0.9}},
-                                      {57, 80, 23, 0.5, 0.5, 0.6, {0.1, 0.08, 0}, {0.95, 1, 1}},
-                                      {11, 60, 6, 0.9, 1.1, 0.6, WHOLE},
-                                      {50, 90, 4, 0.6, 0.6, 1.4, WHOLE}};
-#define GEOMETRIES (sizeof geometries / sizeof *geometries)
-
-static hs_volume copy_of(const geometry *g) {
-    double theta[2] = {-g->theta, g->theta}, phi[2] = {-g->phi, g->phi};
-    hs_beams shape = {.samples = 2, .lines = 2, .planes = 2, .pitch = g->depth, .start = g->start};
-    hs_error err = {0};
-    hs_volume v;
-    shape.axis = g->axis;
-    shape.theta = theta;
-    shape.phi = phi;
-    hs_beams *b = hs_beams_like(&shape, &err);
-    assert_non_null(b);
-    memset(b->voxels, 100, hs_beams_count(b));
-    if (!hs_beams_cartesian_init(&v, b, g->spacing, &err)) fail_msg("%s", err.text);
-    hs_beams_cartesian_fill(&v);
-    return v;
-}
-
-/* The volume as a file has it whose face `face` is the probe's: a part of it, along other axes. `apex` is mm
- * from its corner. */
-static hs_volume seen_from(const hs_volume *v, const geometry *g, hs_probe face, double apex[3]) {
-    const uint32_t n[3] = {v->nx, v->ny, v->nz};
-    uint32_t first[3], count[3], size[3] = {0}, at[3];
-    double axes[9];
-    hs_volume out;
-    for (int k = 0; k < 3; k++) {
-        first[k] = (uint32_t)(g->from[k] * n[k]);
-        count[k] = (uint32_t)(g->to[k] * n[k]) - first[k];
-    }
-    hs_probe_axes(v, face, axes);
-    for (int m = 0; m < 3; m++)
-        for (int k = 0; k < 3; k++)
-            if (axes[m * 3 + k] != 0.0) size[m] = count[k];
-    must(hs_volume_init(&out, size[0], size[1], size[2], &err));
-    for (int m = 0; m < 3; m++) {
-        out.spacing[m] = v->spacing[m];
-        apex[m] = 0.0;
-        for (int k = 0; k < 3; k++) {
-            const double a = axes[m * 3 + k], from = -v->beams->corner[k] - first[k] * v->spacing[k];
-            apex[m] += a * from + (a < 0.0 ? size[m] * v->spacing[m] : 0.0);
-        }
-    }
-    for (at[2] = 0; at[2] < count[2]; at[2]++)
-        for (at[1] = 0; at[1] < count[1]; at[1]++)
-            for (at[0] = 0; at[0] < count[0]; at[0]++) {
-                size_t to[3];
-                for (int m = 0; m < 3; m++) {
-                    double place = 0.0;
-                    for (int k = 0; k < 3; k++)
-                        place += axes[m * 3 + k] * at[k] + (axes[m * 3 + k] < 0.0 ? size[m] - 1.0 : 0.0);
-                    to[m] = (size_t)place;
-                }
-                out.voxels[(to[2] * out.ny + to[1]) * out.nx + to[0]] =
-                    v->voxels[((size_t)(at[2] + first[2]) * n[1] + at[1] + first[1]) * n[0] + at[0] +
-                              first[0]];
-            }
-    return out;
-}
 
 /* Where the beam runs through a place, along the axes of the volume. */
 static void beam_at(const double turn[9], const double apex[3], double sweep, const double place[3],
@@ -126,26 +50,26 @@ static double worst_angle(const hs_volume *v, const double axes[9], const double
 /* The border is known to half a voxel, so half of it lies within a quarter of one, and an edge some 60 voxels
  * long tells its direction to less than a degree. */
 static void fans_are_found(void **state) {
-    for (size_t n = 0; n < GEOMETRIES; n++) {
-        hs_volume copy = copy_of(&geometries[n]);
+    for (size_t n = 0; n < FANS; n++) {
+        hs_volume copy = fan_copy(&fan_shapes[n]);
         for (int face = 0; face < HS_PROBE_COUNT; face++) {
             double apex[3], axes[9];
             char words[160];
-            hs_volume v = seen_from(&copy, &geometries[n], (hs_probe)face, apex);
+            hs_volume v = fan_seen_from(&copy, &fan_shapes[n], (hs_probe)face, apex);
             hs_volume_find_beams(&v);
             hs_course_words(&v, words, sizeof words);
             if (v.course.kind != HS_BEAMS_FAN || (int)v.probe != face || !v.course.found)
                 fail_msg("geometry %zu, face %d: %s", n, face, words);
             hs_probe_axes(&v, v.probe, axes);
-            const double angle = worst_angle(&v, axes, apex, geometries[n].axis);
-            if (angle > 1.0 || v.course.misfit > 0.3 * geometries[n].spacing)
+            const double angle = worst_angle(&v, axes, apex, fan_shapes[n].axis);
+            if (angle > 1.0 || v.course.misfit > 0.3 * fan_shapes[n].spacing)
                 fail_msg("geometry %zu, face %d: %g degrees, misfit %g mm: %s", n, face, angle,
                          v.course.misfit, words);
             hs_volume_free(&v);
         }
         hs_volume_find_beams(&copy); /* as its file says it */
         assert_true(copy.course.kind == HS_BEAMS_FAN && copy.course.misfit == 0.0);
-        assert_true(copy.course.sweep == geometries[n].axis);
+        assert_true(copy.course.sweep == fan_shapes[n].axis);
         hs_volume_free(&copy);
     }
 }
@@ -155,7 +79,7 @@ static void fans_are_found(void **state) {
 static void what_is_stated_counts(void **state) {
     double apex[3];
     char question[160];
-    hs_volume copy = copy_of(&geometries[0]), v = seen_from(&copy, &geometries[0], HS_PROBE_LOW_Y, apex);
+    hs_volume copy = fan_copy(&fan_shapes[0]), v = fan_seen_from(&copy, &fan_shapes[0], HS_PROBE_LOW_Y, apex);
     hs_volume_scanned_from(&v, HS_PROBE_LOW_Z);
     hs_volume_find_beams(&v);
     hs_course_question(&v, question, sizeof question);
@@ -198,7 +122,8 @@ static void an_apex_that_is_said_counts_where_nothing_is_found(void **state) {
     hs_volume_free(&v);
 
     double apex[3];
-    hs_volume copy = copy_of(&geometries[0]), fan = seen_from(&copy, &geometries[0], HS_PROBE_LOW_Y, apex);
+    hs_volume copy = fan_copy(&fan_shapes[0]),
+              fan = fan_seen_from(&copy, &fan_shapes[0], HS_PROBE_LOW_Y, apex);
     hs_volume_scanned_from(&fan, HS_PROBE_LOW_Y);
     fan.apex_said = true;
     memcpy(fan.apex, said, sizeof said);
@@ -278,7 +203,7 @@ static void wrong_spacing_is_told(void **state) {
                                    {1, 0.5, 1}, {1, 1, 0.5}, {1, 2, 0.5}, {2, 1, 0.5}};
     static const size_t which[] = {0, 1, 5};
     for (size_t g = 0; g < sizeof which / sizeof *which; g++) {
-        hs_volume v = copy_of(&geometries[which[g]]);
+        hs_volume v = fan_copy(&fan_shapes[which[g]]);
         const double twice[3] = {2, 2, 2}, half[3] = {0.5, 0.5, 0.5};
         double fits[3];
         hs_beams_free(v.beams);
@@ -301,22 +226,29 @@ static void wrong_spacing_is_told(void **state) {
     }
 }
 
-/* A ball is none from any face: where one was stated, that is a doubt. */
+/* A ball is none from any face, and tells nothing of its spacing. What narrows to the stated face and is no
+ * fan with any one axis mended is a doubt. */
 static void a_stated_face_without_a_fan_is_doubted(void **state) {
     hs_volume v;
     char question[160];
+    double apex[3], fits[3];
     must(hs_volume_init(&v, 80, 70, 60, &err));
     for (size_t n = 0; n < hs_volume_count(&v); n++)
         v.voxels[n] = is_inside(2, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
                                 (double)(n / 5600) / 60 - 0.5);
-    hs_volume_find_beams(&v);
-    hs_course_question(&v, question, sizeof question);
-    assert_string_equal(question, "");
     hs_volume_scanned_from(&v, HS_PROBE_HIGH_X);
     hs_volume_find_beams(&v);
     hs_course_question(&v, question, sizeof question);
-    assert_non_null(strstr(question, "From +x no fan fits what was scanned"));
+    assert_string_equal(question, "");
     hs_volume_free(&v);
+
+    hs_volume copy = fan_copy(&fan_shapes[0]);
+    v = fan_seen_from(&copy, &fan_shapes[0], HS_PROBE_HIGH_X, apex);
+    hs_volume_scanned_from(&v, HS_PROBE_HIGH_X);
+    const char *asked = asked_of(&v, (const double[3]){2.3, 1.0, 1.7}, fits);
+    if (!strstr(asked, "From +x no fan fits what was scanned")) fail_msg("'%s'", asked);
+    hs_volume_free(&v);
+    hs_volume_free(&copy);
 }
 
 static size_t zeros_of(const hs_volume *v) {
@@ -331,7 +263,8 @@ static void black_fluid_was_scanned(void **state) {
     enum { WHOLE_SCAN, CUT, SAID };
     for (int kind = WHOLE_SCAN; kind <= SAID; kind++) {
         double apex[3];
-        hs_volume copy = copy_of(&geometries[0]), v = seen_from(&copy, &geometries[0], HS_PROBE_LOW_Z, apex);
+        hs_volume copy = fan_copy(&fan_shapes[0]),
+                  v = fan_seen_from(&copy, &fan_shapes[0], HS_PROBE_LOW_Z, apex);
         const size_t outside = zeros_of(&v);
         for (size_t i = 0; i < hs_volume_count(&v); i++) {
             const double x = (double)(i % v.nx) / v.nx, y = (double)(i / v.nx % v.ny) / v.ny,
