@@ -6,6 +6,7 @@
 #include "loop/map_check.h"
 #include "plugin/loader_param.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -229,6 +230,25 @@ static bool enqueue_maps(hs_clipper *clipper, hs_error *err) {
     return hs_map_check_enqueue(&clipper->check, clipper->depth, -limit, limit, err);
 }
 
+/* Numbers that lie far out may be all that a method makes of these values: a spline goes on beyond its
+ * points, ever steeper. What is no number is a fault. Which it is, is counted where there is something to
+ * say. */
+static bool refuse_depths(hs_clipper *clipper) {
+    const char *path = clipper->plugin->path;
+    const int far = (int)clipper->check.count;
+    if (!hs_map_check_enqueue(&clipper->check, clipper->depth, -FLT_MAX, FLT_MAX, &clipper->error) ||
+        !hs_cl_check(clFinish(clipper->cl->queue), "clFinish (map check)", &clipper->error))
+        return false;
+    if (clipper->check.count > 0)
+        return hs_fail(&clipper->error, HS_ERR_PLUGIN,
+                       "%s: end: %d of %zu depths were not written, or are not finite", path,
+                       (int)clipper->check.count, clipper->pixels);
+    return hs_fail(&clipper->error, HS_ERR_PLUGIN,
+                   "%s: end: %d of %zu depths lie beyond %g times the volume: with these values its surface "
+                   "leaves the scan",
+                   path, far, clipper->pixels, (double)DEPTH_LIMIT);
+}
+
 /* What can be said against a frame whose calls all succeeded; keeps the first of it. */
 static bool holds_up(hs_clipper *clipper, sv_status status) {
     const char *path = clipper->plugin->path;
@@ -241,11 +261,7 @@ static bool holds_up(hs_clipper *clipper, sv_status status) {
     if (!hs_status_is_known(outcome))
         return hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: end: the outcome %d is none of the header's",
                        path, (int)outcome);
-    if (hs_outcome_clips(outcome) && clipper->check.count > 0)
-        return hs_fail(
-            &clipper->error, HS_ERR_PLUGIN,
-            "%s: end: %d of %zu depths were not written, are not finite or lie beyond %g times the volume",
-            path, (int)clipper->check.count, clipper->pixels, (double)DEPTH_LIMIT);
+    if (hs_outcome_clips(outcome) && clipper->check.count > 0) return refuse_depths(clipper);
     return hs_plugin_check(clipper->plugin, outcome, "end", &clipper->error);
 }
 

@@ -83,8 +83,8 @@ static void a_frame_that_cannot_be_meant_is_a_failure(void **state) {
     static const struct {
         const char *plugin, *says;
     } table[] = {
-        {"depth_nan", "1 of 256 depths were not written, are not finite or lie beyond 2 times the volume"},
-        {"depth_far", "1 of 256 depths were not written"},
+        {"depth_nan", "1 of 256 depths were not written, or are not finite"},
+        {"depth_far", "1 of 256 depths lie beyond 2 times the volume: with these values its surface leaves"},
         {"depth_endless", "1 of 256 depths were not written"},
         {"map_once", "256 of 256 depths were not written"},
         {"writes_nothing", "returned SV_OK, but wrote no statistics"},
