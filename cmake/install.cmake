@@ -54,7 +54,8 @@ install(TARGETS smartvis LIBRARY DESTINATION ${SV_PLUGIN_FOLDER} COMPONENT smart
 if(TARGET smartvis_check)
   install(TARGETS smartvis_check LIBRARY DESTINATION ${SV_PLUGIN_FOLDER}/check COMPONENT smartvis)
 endif()
-install(DIRECTORY data/scenes DESTINATION share/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.json")
+install(DIRECTORY data/scenes DESTINATION share/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.json"
+  PATTERN "*.mha")
 install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION share/doc/smartvis COMPONENT smartvis)
 install(DIRECTORY docs DESTINATION share/doc/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.jpg")
 
@@ -85,3 +86,18 @@ endif()
 
 # What an installation is made of, and nothing else, for `make install`.
 add_custom_target(installed DEPENDS ${SV_INSTALLED} ${SV_MAN_PAGES})
+
+# Last: the sums of all that was put there, for `host_sim verify` and `sha256sum -c`. Only of a whole installation.
+install(CODE [[
+  set(sums "")
+  set(prefix "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}")
+  list(SORT CMAKE_INSTALL_MANIFEST_FILES)
+  foreach(file ${CMAKE_INSTALL_MANIFEST_FILES})
+    file(RELATIVE_PATH name "${CMAKE_INSTALL_PREFIX}" "${file}")
+    if(NOT IS_SYMLINK "$ENV{DESTDIR}${file}")
+      file(SHA256 "$ENV{DESTDIR}${file}" sum)
+      string(APPEND sums "${sum}  ${name}\n")
+    endif()
+  endforeach()
+  file(WRITE "${prefix}/share/smartvis/sums/smartvis.sha256" "${sums}")
+]])

@@ -10,6 +10,7 @@
 #include "guarded/guard_options.h"
 #include "picture/picture_draw.h"
 #include "report/report.h"
+#include "report/verify.h"
 #include "smartvis_plugin.h"
 
 #include <stdio.h>
@@ -30,6 +31,8 @@ static const command commands[] = {
     {"scenes", hs_cmd_scene, "synthetic scenes with ground truth: list, generate, export, look at"},
     {"list", hs_cmd_list, "a plugin library's plugins and parameters"},
     {"prepare", hs_cmd_prepare, "compiles the kernels ahead, anew if asked, into the runtime's cache"},
+    {"verify", hs_cmd_verify,
+     "this installation on this machine: files, device, a known frame, times; a page"},
     {"info", hs_cmd_info, "facts about MetaImage and Kretz volumes"},
 };
 

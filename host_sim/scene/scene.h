@@ -44,6 +44,9 @@ typedef enum {
 /* The built-in scenes of a group, in their order; NULL from the last on. */
 const char *hs_scene_of_group(hs_scene_group group, uint32_t index);
 
+/* Writes the folder of the built-in scenes: SMARTVIS_SCENES, or below the program's folder or beside it. */
+void hs_scene_folder(char *folder, size_t size);
+
 /* The file of a scene as text, and `path`, its place for messages. A name with a dot or a slash is a
  * path; "R<seed>_<number>" is a random scene, which has no file; others are built-in. free() it. NULL:
  * HS_ERR_INPUT or HS_ERR_MEMORY. */

@@ -23,7 +23,7 @@ const char *hs_scene_of_group(hs_scene_group group, uint32_t index) {
 
 /* The built-in cases lie below the program's folder or beside it: nothing here knows where the sources
  * were. */
-static void scene_folder(char *folder, size_t size) {
+void hs_scene_folder(char *folder, size_t size) {
     if (sys_environment("SMARTVIS_SCENES", folder, size) && folder[0]) return;
     if (!hs_path_beside_program("share/smartvis/scenes", folder, size) || !sys_is_folder(folder))
         (void)hs_path_beside_program("../share/smartvis/scenes", folder, size);
@@ -63,7 +63,7 @@ char *hs_scene_text(const char *name_or_path, char *path, size_t size, hs_error 
         if (!text) hs_fail(err, HS_ERR_MEMORY, "%s: no memory", path);
         return text;
     } else {
-        scene_folder(folder, sizeof folder);
+        hs_scene_folder(folder, sizeof folder);
         (void)snprintf(path, size, "%s/%s.json", folder, name_or_path);
     }
     return read_text(path, err);

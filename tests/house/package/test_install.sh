@@ -40,6 +40,11 @@ holds test "$(cd "$prefix/include" && find . -type f | sort)" = "$(cd "$source_d
 
 holds test "$(cd "$prefix/lib/smartvis" && echo ./* */*)" = "./check ./smartvis.so check/smartvis_check.so"
 
+# --- the sums of all of it, for sha256sum and for host_sim verify
+sums=share/smartvis/sums/smartvis.sha256
+holds works bash -c "cd '$prefix' && sha256sum --quiet -c $sums"
+holds test "$(cd "$prefix" && find . -type f ! -path "./$sums" | wc -l)" = "$(wc -l < "$prefix/$sums")"
+
 # --- no path of the build in it, neither in texts nor in programs
 # A checkout in /smartvis is none of the /smartvis in "lib/smartvis".
 for path in "$source_dir" "$build_dir" /opt/somewhere; do
