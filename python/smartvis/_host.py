@@ -58,6 +58,13 @@ def run(arguments: Sequence[str], folder: str | None = None, **names: str) -> st
     return ended.stdout
 
 
+def call(arguments: Sequence[str]) -> int:
+    """Runs host_sim where its user sees what it says; returns its exit code."""
+    program = find()
+    command = [os.path.abspath(program), *arguments]
+    return subprocess.run(command, env=_environment(program), check=False).returncode
+
+
 def _environment(program: str) -> dict[str, str]:
     """What host_sim gets: this process' variables, the OpenCL that the plugin has here, and the wheel's own font."""
     fonts = _OWN.with_name("share") / "fonts" / "fonts.conf"

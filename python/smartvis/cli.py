@@ -305,6 +305,18 @@ def command_parameters(args: argparse.Namespace) -> int:
     return OK
 
 
+def command_doctor(args: argparse.Namespace) -> int:
+    """Looks at the installation: Python's part, then the machine's."""
+    from . import _doctor
+
+    failed = False
+    for what, stands, details in _doctor.facts():
+        failed = failed or stands == "FAILS"
+        print(plain(f"{what:20} {stands:9}  {details}"), flush=True)
+    deadline = ["--deadline", str(args.deadline)] if args.deadline is not None else []
+    return _doctor.verify([*deadline, "--frames", str(args.frames), "--out", args.out]) or (FAILED if failed else OK)
+
+
 def value_range(p: Parameter) -> str:
     """What values a parameter takes, in a few words."""
     if p.choices:
@@ -359,6 +371,14 @@ def parser_of() -> argparse.ArgumentParser:
     add_clip_options(batch)
     add_product_options(batch, "clipped,depth")
     batch.set_defaults(run=command_batch)
+
+    doctor = commands.add_parser(
+        "doctor", help="this installation on this machine: files, device, a known frame, times"
+    )
+    doctor.add_argument("--deadline", metavar="MS", type=finite, help="99 of 100 frames must take no longer [none]")
+    doctor.add_argument("--frames", metavar="N", type=positive, default=200, help="that are timed [200]")
+    doctor.add_argument("--out", default="out/verify", help="folder for the page [out/verify]")
+    doctor.set_defaults(run=command_doctor)
 
     facts = commands.add_parser("parameters", help="the plugin's parameters")
     facts.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")
