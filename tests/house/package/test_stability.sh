@@ -47,6 +47,12 @@ holds code 4 "${run[@]}" --plugin "$0"
 OCL_ICD_VENDORS=$work/nothing holds code 5 "${run[@]}"
 holds code 6 "$build/host_sim" run --scene E01 --size 32 --picture 64 --out "$0/folder"
 
+# --- every test says what it shows: the table of docs/soup.md is made of that
+holds python3 "$source_dir/scripts/test_table.py" "$source_dir" > "$work/table"
+holds grep -qF '| tests/house/package/test_stability.sh | package | What docs/stability.md promises by name is there: ' "$work/table"
+mkdir -p "$work/silent/tests/house/package" && echo 'int main(void) { return 0; }' > "$work/silent/tests/house/package/test_silent.c"
+holds code 1 python3 "$source_dir/scripts/test_table.py" "$work/silent"
+
 # --- versions of files
 holds grep -q "^#define REC_VERSION 2u$" "$source_dir/sdk/record/rec_item.h"
 
