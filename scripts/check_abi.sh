@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # check_abi.sh [--write] [INCLUDE_FOLDER]: what of the plugin ABI differs from the versions before it. Additions are fine: a field
 # behind the last one of a struct that may grow, a constant, an extension. Everything else is printed, and the exit code is 1; 3 if
-# a tool is missing. Of the headers of extensions each has a table sv_ext_NAME; the helpers
-# (author*.h, device.h, lookup.h, open.h, probe.h) are compiled into plugins and hosts, so they are no ABI.
+# a tool is missing. Of the headers of extensions each has a table sv_ext_NAME; the others are helpers, which are compiled
+# into plugins and hosts, so they are no ABI.
 #
 #   abi/types-VERSION.txt       structs and fields, as libabigail's abidw sees them (scripts/abi_types.py)
 #   abi/constants-VERSION.txt   the constants, of which debug information says nothing
@@ -24,7 +24,8 @@ cd "$work"
 
 headers=() # of extensions
 for header in "$include"/smartvis/*.h; do
-    [[ $(basename "$header") =~ ^(author.*|device|lookup|open|probe)\.h$ ]] || headers+=("$(basename "$header" .h)")
+    name=$(basename "$header" .h)
+    if grep -q "^} sv_ext_$name;" "$header"; then headers+=("$name"); fi
 done
 
 # A function for each table, so that another extension is another function and changes none.
