@@ -96,7 +96,7 @@ function boxAt(address) {
 }
 
 const KNOWN = ["scene", "file", "from", "camera", "volume", "play", "cross", "light", "look", ...Object.keys(RENDER_RANGES), "a", "b", "marks", "box", "layout", "third",
-  "compare", "wipe", ...GREY];
+  "compare", "wipe", "turned", ...GREY];
 
 /* The address is read once, when the console has said what there is. Returns what was left out, by name. */
 function readAddress(hello, text) {
@@ -119,6 +119,8 @@ function readAddress(hello, text) {
   if (look.compare !== "off") state.lanes.push(laneIn(address, "b", hello.plugins.length, structuredClone(first)));
   look.third = address.word("third", ["truth", "depthmap"], "truth");
   look.wipe = Math.round(address.number("wipe", 0, 100, 50));
+  const [across, along, deep] = address.numbers("turned", Array(3).fill([0, 7]), [0, 0, 0]).map(Math.round);
+  look.turned = { across, along, deep };
   for (const key of GREY) look[key] = address.number(key, 0.25, 4, 1);
   for (const key of address.given.keys()) if (key && !KNOWN.includes(key)) address.left.add(key);
   return [...address.left].map((key) => key.slice(0, 30)).slice(0, 10);

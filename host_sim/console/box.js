@@ -31,7 +31,7 @@ function boxIn(view) {
 
 function drawBox() {
   for (const view of Object.keys(AXES))
-    viewOf(view).box.replaceChildren(...(state.box.length && lastFigures ? [svg("polygon", { points: boxIn(view).join(" ") })] : []));
+    viewOf(view).box.replaceChildren(...(state.box.length && lastFigures ? [svg("polygon", { points: boxIn(view).map((p) => seenPlace(view, p).join()).join(" ") })] : []));
   at("box").setAttribute("aria-pressed", String(state.box.length > 0));
   at("slices").classList.toggle("boxed", state.box.length > 0);
   at("box-bar").hidden = !state.box.length;

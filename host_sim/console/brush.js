@@ -19,11 +19,6 @@ function brushedView(view, right) {
   return view === "result" && look.compare === "wipe" && 100 * right > look.wipe ? "other" : view;
 }
 
-function placeOn(screen, event) {
-  const box = screen.getBoundingClientRect();
-  return [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height].map((x) => clamp(x, 0, 1));
-}
-
 function putMark(view, place) {
   const of = brushedView(view, place[0]);
   if (!of || !lastFigures || cine.on) return;
@@ -114,6 +109,7 @@ function setRadius(mm) {
 
 function chooseBrush(on) {
   brush.on = brush.on === on ? "" : on;
+  if (brush.on && measured.on === "text") measure(""); /* both take clicks on pictures */
   dropStroke();
   if (brush.on) document.body.dataset.brush = brush.on;
   else delete document.body.dataset.brush;

@@ -58,8 +58,18 @@ function drawSides(g, view, size, line) {
   for (const draw of ["strokeText", "fillText"]) g[draw](probe.textContent.replace("➤", ""), clamp(x + (along ? 3 * line : 0), 2 * line, size - 2 * line), along ? y : y + 1.5 * line);
 }
 
-/* The picture as it came with its sides, and below it the words and a scale. */
-async function captioned(blob, words, view) {
+function drawAsSeen(g, view, image) {
+  const turned = look.turned[view] || 0, half = image.width / 2;
+  g.save();
+  g.translate(half, half);
+  g.rotate((Math.PI / 2) * (turned % MIRRORED));
+  if (turned & MIRRORED) g.scale(-1, 1);
+  g.drawImage(image, -half, -half);
+  g.restore();
+}
+
+/* The picture as it is seen, with what is measured in it and its sides, and below it the words and a scale. */
+async function captioned(blob, words, view, of = state) {
   const image = await createImageBitmap(blob), canvas = make("canvas", { width: image.width, height: image.height });
   const line = Math.max(11, Math.round(image.width * LINE_SHARE)), g = canvas.getContext("2d");
   const font = line * 0.8 + "px system-ui, sans-serif";
@@ -67,7 +77,10 @@ async function captioned(blob, words, view) {
   const lines = words.flatMap((text) => broken(g, text, image.width - line));
   canvas.height += line * (lines.length + 2.5);
   g.fillRect(0, 0, canvas.width, canvas.height);
-  g.drawImage(image, 0, 0);
+  drawAsSeen(g, view, image);
+  g.save();
+  burnFigures(g, view, of, image.width, line);
+  g.restore();
   g.fillStyle = "#fff";
   g.save();
   drawSides(g, view, image.width, line);

@@ -10,6 +10,7 @@
 
 #include <jansson.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 
 static void put(json_t *object, const char *key, json_t *value) {
@@ -286,6 +287,7 @@ static json_t *source_part(const hs_console_stage *stage) {
                   stage->depth_mm[0], stage->depth_mm[1], "truth", stage->truth != NULL, "truth_cut",
                   hs_truth_shows_cut(stage->lane[0].loop, stage->screen_dvr.look, stage->index), "opened_ms",
                   stage->source_ms);
+    put(one, "voxel_mm", json_real(fmax(fmax(v->spacing[0], v->spacing[1]), v->spacing[2])));
     put_directions(one, &window, v);
     put(one, "mm", json_boolean(!v->spacing_unsaid));
     if (hs_volume_doubt(v, doubt) || hs_pose_doubt(&v->pose, doubt)) put(one, "doubt", json_string(doubt));

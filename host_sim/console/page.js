@@ -183,7 +183,7 @@ function askForPicture() {
 }
 
 async function savePicture(view, picture) {
-  save(at("with-caption").checked ? await captioned(picture, wordsOf(view, asked), view) : picture, view);
+  save(at("with-caption").checked ? await captioned(picture, wordsOf(view, asked), view, asked) : picture, view);
 }
 
 function save(blob, what) {
@@ -251,6 +251,7 @@ function showSettings() {
   at("wipe").value = String(look.wipe);
   at("layout").value = look.layout;
   showGrey();
+  showTurned();
   showChosenSource();
   buildRenderer();
   layOut();
@@ -260,7 +261,10 @@ function showSettings() {
 
 function leaveTool() {
   if (brush.on) chooseBrush(brush.on);
-  if (measured.on) measure(false);
+  if (!measured.on) return;
+  if (!measured.made.every(isWhole)) measured.made = measured.made.filter(isWhole);
+  else measured.on = "";
+  measure(measured.on);
 }
 
 function onKey(event) {
@@ -274,7 +278,7 @@ function onKey(event) {
   if (event.ctrlKey || event.metaKey) return;
   const next = { off: "side", side: "wipe", wipe: "off" };
   const keys = {
-    m: () => measure(!measured.on), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), b: toggleBox, l: () => at("lamp").click(), f: () => play(!state.play.on),
+    m: () => at("measure").click(), Delete: forgetLast, r: () => quarterTurn(slicesToTurn()), i: () => flip(slicesToTurn()), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), b: toggleBox, l: () => at("lamp").click(), f: () => play(!state.play.on),
     "[": () => nudgePrimary(-1), "]": () => nudgePrimary(1), ",": () => stepBy(-1), ".": () => stepBy(1),
     c: () => compare(next[look.compare]), v: () => setLayout(LAYOUTS[(LAYOUTS.indexOf(look.layout) + 1) % LAYOUTS.length]),
   };
@@ -294,7 +298,10 @@ function listen() {
   at("layout").addEventListener("change", () => setLayout(at("layout").value));
   at("third").addEventListener("change", () => { look.third = at("third").value; layOut(); changed(false); });
   at("compare").addEventListener("change", () => compare(at("compare").value));
-  at("measure").addEventListener("click", () => measure(!measured.on));
+  at("measure").addEventListener("click", () => measure(measured.on ? "" : at("measure-of").value));
+  at("measure-of").addEventListener("change", () => measure(at("measure-of").value));
+  at("flip").addEventListener("click", () => flip(Object.keys(AXES)));
+  at("quarter").addEventListener("click", () => quarterTurn(Object.keys(AXES)));
   at("box").addEventListener("click", toggleBox);
   document.addEventListener("pointerdown", () => noteHand(true), true);
   for (const end of ["pointerup", "pointercancel"]) document.addEventListener(end, () => noteHand(false));

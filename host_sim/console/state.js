@@ -22,7 +22,7 @@ const state = {
 };
 
 /* What only the page knows of: how it shows what it has. */
-const look = { layout: "quad", third: "truth", compare: "off", wipe: 50, gain: 1, contrast: 1 };
+const look = { layout: "quad", third: "truth", compare: "off", wipe: 50, gain: 1, contrast: 1, turned: { across: 0, along: 0, deep: 0 } };
 const LAYOUTS = ["single", "dual", "quad", "all"];
 const GREY = ["gain", "contrast"]; /* of the slices */
 
@@ -78,5 +78,7 @@ function writeAddressNow() {
   if (look.wipe !== 50) at.set("wipe", look.wipe);
   if (look.layout !== "quad") at.set("layout", look.layout);
   for (const key of GREY) if (look[key] !== 1) at.set(key, short(look[key]));
+  const turned = Object.values(look.turned);
+  if (turned.some((x) => x)) at.set("turned", turned.join(","));
   history.replaceState(null, "", location.pathname + location.search + "#" + at.toString());
 }

@@ -9,13 +9,6 @@ const TITLES = {
 const DEGREES_A_PIXEL = 0.4;
 /* Which axes of the crosshair run right and down in a slice; in every other view they are 0 and 1. */
 const AXES = { across: [0, 2], along: [2, 1], deep: [0, 1] };
-/* Into a slice, as its right and down make it. */
-const INTO = { across: [0, -1, 0], along: [-1, 0, 0], deep: [0, 0, 1] };
-/* The ends of the patient's axes (to his left, back and head), and the planes that stand on them. */
-const ENDS = [["R", "L"], ["A", "P"], ["F", "H"]];
-const PLANES = ["sagittal", "coronal", "transverse"];
-const WORTH_A_LETTER = 0.38; /* 22 degrees off a plane */
-const SQUARE = 0.94; /* at most 20 degrees off */
 
 const canvases = {}; /* what is on the page */
 const made = {}; /* and what was: a picture that has not changed does not come again */
@@ -110,10 +103,12 @@ function pinchOf(fingers) {
  * scrolls the page (touch-action). */
 function fingersOn(view, screen) {
   const fingers = new Map();
+  const writes = (event) => measured.on === "text" && fingers.size < 2 && (setPoint(view, ...placeOn(screen, event), event.type === "pointerdown"), true);
   screen.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     screen.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (writes(event)) return;
     paintWith(view, screen, event, fingers.size);
   });
   screen.addEventListener("pointermove", (event) => {
@@ -122,7 +117,7 @@ function fingersOn(view, screen) {
     const before = fingers.size === 2 ? pinchOf(fingers) : { ...finger };
     finger.x = event.clientX;
     finger.y = event.clientY;
-    if (paintWith(view, screen, event, fingers.size)) return;
+    if (writes(event) || paintWith(view, screen, event, fingers.size)) return;
     const now = fingers.size === 2 ? pinchOf(fingers) : finger;
     const right = (now.x - before.x) * DEGREES_A_PIXEL, down = (now.y - before.y) * DEGREES_A_PIXEL;
     if (brush.on === "lamp" && fingers.size < 2) moveLamp(right, down);
@@ -151,7 +146,7 @@ function turnByHand(view, screen) {
     const keys = {
       ArrowLeft: () => turn(-step, 0), ArrowRight: () => turn(step, 0), ArrowUp: () => turn(0, -step),
       ArrowDown: () => turn(0, step), "+": () => zoom(1.1), "=": () => zoom(1.1), "-": () => zoom(1 / 1.1), Home: resetCamera,
-      z: () => roll(5), Z: () => roll(-5), Enter: () => putMark(view, state.cross.slice(0, 2)),
+      z: () => roll(5), Z: () => roll(-5), Enter: () => (measured.on === "text" ? setPoint(view, state.cross[0], state.cross[1], true) : putMark(view, state.cross.slice(0, 2))),
     };
     if (!keys[event.key] || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
@@ -164,8 +159,9 @@ function turnByHand(view, screen) {
 function placeCross() {
   for (const [view, [right, down]] of Object.entries(AXES)) {
     if (!canvases[view]) continue;
-    canvases[view].down.style.left = 100 * state.cross[right] + "%";
-    canvases[view].right.style.top = 100 * state.cross[down] + "%";
+    const [x, y] = seenPlace(view, [state.cross[right], state.cross[down]]);
+    canvases[view].down.style.left = 100 * x + "%";
+    canvases[view].right.style.top = 100 * y + "%";
   }
   drawBox();
 }
@@ -179,11 +175,10 @@ function moveCross(view, right, down) {
 
 function crossByHand(view, screen) {
   dragWith(screen, (event, first) => {
-    const box = screen.getBoundingClientRect();
-    const right = (event.clientX - box.left) / box.width, down = (event.clientY - box.top) / box.height;
-    if (dragBox(view, [right, down], first)) return;
-    if (measured.on) setPoint(view, right, down, first);
-    else moveCross(view, right, down);
+    const place = placeOn(screen, event);
+    if (dragBox(view, place, first)) return;
+    if (measured.on) setPoint(view, ...place, first);
+    else moveCross(view, ...place);
   });
   screen.addEventListener("dblclick", () => {
     state.cross = [0.5, 0.5, 0.5];
@@ -194,8 +189,9 @@ function crossByHand(view, screen) {
     const step = event.shiftKey ? 0.004 : 0.02;
     const [right, down] = AXES[view];
     if (event.key === "Enter" && measured.on) setPoint(view, state.cross[right], state.cross[down], true);
-    const by = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] }[event.key];
-    if (!by) return;
+    const seen = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] }[event.key];
+    if (!seen) return;
+    const by = pictureWay(view, seen);
     event.preventDefault();
     moveCross(view, state.cross[right] + by[0], state.cross[down] + by[1]);
   });
@@ -235,7 +231,9 @@ function figureOf(view) {
   const caption = make("figcaption", { text: TITLES[view] });
   const figure = make("figure", { class: slice ? "slice" : view }, screen, caption);
   const one = { figure, screen, canvas, caption, ends: {}, legend: view === "depthmap" ? depthLegend() : make("div", { class: "legend" }) };
-  screen.append(one.legend);
+  one.lines = svg("svg", { viewBox: "0 0 1 1", class: "lines" });
+  one.labels = make("div");
+  screen.append(one.legend, one.lines, one.labels);
   for (const side of ["left", "right", "up", "down"]) {
     one.ends[side] = make("span", { class: "end", "data-side": side });
     screen.append(one.ends[side]);
@@ -245,10 +243,8 @@ function figureOf(view) {
     one.right = make("div", { class: "cross right" });
     one.scale = make("div", { class: "scale" });
     one.probe = make("span", { class: "probe" });
-    one.lines = svg("svg", { viewBox: "0 0 1 1" });
     one.box = svg("svg", { viewBox: "0 0 1 1", class: "box" });
-    one.distance = make("output", { class: "distance" });
-    screen.append(one.down, one.right, one.scale, one.probe, one.lines, one.box, one.distance);
+    screen.append(one.down, one.right, one.scale, one.probe, one.box);
     crossByHand(view, screen);
   } else {
     one.marks = svg("svg", { viewBox: "0 0 1 1", class: "marks" });
@@ -281,46 +277,6 @@ function placeScales({ window_mm, mm }) {
     const { scale } = viewOf(view);
     scale.style.width = (100 * length) / window_mm + "%";
     scale.textContent = length + unitOf(mm);
-  }
-}
-
-/* "L", "HA": to which ends of the patient a direction runs, the closest one first. */
-function letters(direction) {
-  const size = direction.map(Math.abs);
-  return [0, 1, 2].filter((k) => size[k] > WORTH_A_LETTER).sort((a, b) => size[b] - size[a])
-    .map((k) => ENDS[k][direction[k] > 0 ? 1 : 0]).join("");
-}
-
-/* What the plane is called in the patient, of whom `patient` has the directions of the picture's axes. */
-function planeOf(view, patient) {
-  const stands = patient[[0, 1, 2].find((axis) => !AXES[view].includes(axis))].map(Math.abs);
-  const k = stands.indexOf(Math.max(...stands));
-  return stands[k] > SQUARE ? PLANES[k] : "oblique";
-}
-
-/* An arrow at the side where the probe is; words where it lies before or behind the plane. */
-function placeProbe(mark, right, down, into) {
-  const tilt = Math.hypot(right, down);
-  const side = tilt < Math.abs(into) ? "off" : Math.abs(down) >= Math.abs(right) ? (down < 0 ? "up" : "down") : right < 0 ? "left" : "right";
-  mark.dataset.side = side;
-  mark.textContent = side === "off" ? "probe " + (into < 0 ? "in front" : "behind") : "probe";
-  if (side === "off") return;
-  const arrow = make("span", { text: "➤", "aria-hidden": "true" });
-  arrow.style.transform = "rotate(" + (Math.atan2(down, right) * 180) / Math.PI + "deg)";
-  mark.prepend(arrow);
-}
-
-/* How every view lies to the probe, and in the patient, where the file says so. */
-function placeDirections({ probe, patient }) {
-  for (const view of Object.keys(TITLES)) {
-    const { ends, probe: mark, caption } = viewOf(view), [right, down] = AXES[view] || [0, 1];
-    const at_ = patient ? [patient[right], patient[down]] : [];
-    for (const [end, sign, axis] of [["left", -1, 0], ["right", 1, 0], ["up", -1, 1], ["down", 1, 1]])
-      ends[end].textContent = at_.length ? letters(at_[axis].map((x) => sign * x)) : "";
-    if (!(view in AXES)) continue;
-    mark.hidden = !probe;
-    if (probe) placeProbe(mark, probe[right], probe[down], INTO[view].reduce((sum, x, k) => sum + x * probe[k], 0));
-    caption.textContent = TITLES[view] + (patient ? ", " + planeOf(view, patient) : "");
   }
 }
 

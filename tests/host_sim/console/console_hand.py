@@ -41,8 +41,8 @@ SAID = {
     "a brush": "chooseBrush('remove')",
     "another brush": "chooseBrush('keep')",
     "no brush": "chooseBrush('keep')",
-    "measuring": "measure(true)",
-    "no measuring": "measure(false)",
+    "measuring": "measure('distance')",
+    "no measuring": "measure('')",
     "the first frame again": "state.source = structuredClone(window.first.of.source); showChosenSource(); showFigures(window.first)",
 }
 
@@ -148,13 +148,13 @@ def drags_and_measures(b, what):
     settle(b, "a dragged crosshair")
     cross = b.run("return state.cross")
     holds(abs(cross[0] - 0.7) < 2 / hand.wide and abs(cross[2] - 0.6) < 2 / hand.wide, f"{what}: dragged to {cross}")
-    b.run("measure(true)")
+    b.run("measure('distance')")
     for place in ((-3 * step, -4 * step), (6 * step, 4 * step)):
         hand.along(place)
-    length, mm = b.run("return [Number(distanceOf(measured).split(' ')[0]), lastFigures.source.window_mm]")
+    length, mm = b.run("return [between(...measured.made[measured.made.length - 1].points), lastFigures.source.window_mm]")
     expected = mm * (9 ** 2 + 8 ** 2) ** 0.5 / 20
     holds(abs(length - expected) < 2.5 * mm / hand.wide, f"{what}: measured {length} mm, not {expected}")
-    b.run("notice('', true); measure(false); state.cross = [0.5, 0.5, 0.5]; placeCross(); changed(false)", then="the crosshair in the middle")
+    b.run("notice('', true); measure(''); state.cross = [0.5, 0.5, 0.5]; placeCross(); changed(false)", then="the crosshair in the middle")
 
 
 def paints(b, what):

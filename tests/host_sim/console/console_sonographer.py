@@ -4,13 +4,14 @@
 import base64
 import math
 import os
+import re
 import struct
 import subprocess
 import sys
 import tempfile
 
 from console_client import Console, holds
-from console_look import PATIENCE, SUM, a_page, choose, pixels, png_pixels, settle, snapshot, until
+from console_look import PATIENCE, RESULT, SUM, a_page, choose, pixels, png_pixels, settle, snapshot, until
 from webdriver import KEYS
 
 BUILD = sys.argv[1]
@@ -73,24 +74,26 @@ def distances(b):
     for x, y in ((-30, -40), (60, 30)):
         b.drag(across, (x, y), (x, y))
     expected = math.hypot(90, 70) * mm / wide
-    said = b.run("return [canvases.across.distance.textContent, at('distance').textContent, state.cross]")
+    said = b.run("return [canvases.across.labels.textContent, at('distance').textContent, state.cross]")
     holds(abs(float(said[0].split()[0]) - expected) < 0.06 and said[0].endswith(" mm"), f"{expected} mm are {said}")
-    holds(said[1] == "A plane (across): " + said[0] and said[2] == cross, f"it is said as {said}")
+    holds(said[1].split(" ± ")[0] == "A plane (across): " + said[0] and said[2] == cross, f"it is said as {said}")
     b.run("zoom(2)", then="zoomed")
-    holds(b.run("return canvases.across.distance.textContent") == said[0], "zooming changes a distance")
+    holds(b.run("return canvases.across.labels.textContent") == said[0], "zooming changes a distance")
     ends = b.run("return [...canvases.across.lines.querySelectorAll('circle')].map(c => Number(c.getAttribute('cx')))")
     holds(abs((ends[1] - ends[0]) * wide - 180) < 2, f"the points do not zoom with the picture: {ends}")
     b.run("resetCamera()", then="unzoomed")
     b.drag(across, (0, 0), (0, 45))
     b.drag(across, (40, 0), (0, 0))
     expected = 45 * mm / wide
-    said = b.run("return canvases.across.distance.textContent")
+    said = b.run("return canvases.across.labels.lastChild.textContent")
     holds(abs(float(said.split()[0]) - expected) < 0.06, f"dragged points are {said} apart, not {expected}")
-    b.run("turn(5, 0)", then="turned")
-    holds(b.run("return canvases.across.distance.textContent + canvases.across.lines.childElementCount") == "0", "points stay when the tissue goes")
+    for move in ("turn(5, 0)", "roll(5)"):
+        b.run("resetCamera(); " + move, then=move)
+        holds(b.run("return canvases.across.labels.textContent + canvases.across.lines.childElementCount") == "0", f"{move}: points stay when the tissue goes")
     b.run("resetCamera(); canvases.deep.screen.focus()", then="straight")
+    holds(b.run("return canvases.across.labels.childElementCount") == 2, "they do not come back with the tissue")
     b.keys(".screen[data-view=deep]", ENTER + KEYS["right"] * 5 + ENTER, then="by keys")
-    said = b.run("return canvases.deep.distance.textContent")
+    said = b.run("return canvases.deep.labels.textContent")
     holds(abs(float(said.split()[0]) - 0.1 * mm) < 0.06, f"five steps by keys are {said}, not {0.1 * mm}")
     b.run("document.activeElement.blur()")
     b.keys("body", "m")
@@ -106,6 +109,115 @@ def several_distances_are_kept(b):
     b.click("#measured li:nth-child(2) button")
     words = b.run("return at('report').value")
     holds(kept[0] in words and kept[1] not in words and kept[2] in words and "D01_full.mha" in words and "not a medical device" in words, words)
+
+
+def angles_and_areas(b):
+    """As they are by hand: an angle, an ellipse, an outline that is drawn; each with how far it may be off. What is begun goes by Escape,
+    what is there by Delete."""
+    wide, mm, voxel = b.run("return [canvases.across.screen.getBoundingClientRect().width, lastFigures.source.window_mm, lastFigures.source.voxel_mm]")
+    across, pixel, begun = ".screen[data-view=across]", mm / wide, b.run("return measured.made.length")
+
+    def points(*places):
+        for place in places:
+            b.drag(across, place, place)
+
+    def numbers():
+        return [float(word) for word in re.findall(r"[\d.]+(?= (?:mm|cm²|±)|°|$)|(?<=± )[\d.]+", b.run("return measurements().pop()"))]
+
+    b.click("#measure")
+    choose(b, "measure-of", "angle")
+    points((40, 0), (0, 0), (0, -30))
+    degrees, doubt = numbers()
+    off = max(voxel, pixel)
+    holds(degrees == 90 and abs(doubt - math.degrees(off / (40 * pixel) + off / (30 * pixel))) < 1, f"a right angle is {degrees} ± {doubt}")
+    choose(b, "measure-of", "ellipse")
+    points((-40, 10), (40, 10), (0, 35))
+    area, doubt, around, _ = numbers()
+    ring = math.pi * (3 * 65 - math.sqrt((3 * 40 + 25) * (40 + 3 * 25))) * pixel  # Ramanujan's
+    holds(abs(area - math.pi * 40 * 25 * pixel ** 2 / 100) < 0.02 and abs(around - ring) < 0.3, f"an ellipse of {area} cm² and {around} mm")
+    holds(abs(doubt - ring * off / 200) < 0.1, f"its area is said to be off by {doubt}")
+    choose(b, "measure-of", "trace")
+    hand = [(x, -20) for x in range(-30, 31, 5)] + [(30, y) for y in range(-20, 21, 5)] + [(x, 20) for x in range(30, -31, -5)] + [(-30, y) for y in range(20, -20, -5)]
+    b.run("""const r = canvases.across.screen.getBoundingClientRect();
+        arguments[0].forEach(([x, y], i) => setPoint('across', 0.5 + x / r.width, 0.5 + y / r.height, i === 0));""", hand)
+    area, _, around, _ = numbers()
+    holds(abs(area - 60 * 40 * pixel ** 2 / 100) < 0.02 and abs(around - 200 * pixel) < 0.1, f"an outline of {area} cm² and {around} mm")
+    choose(b, "measure-of", "distance")
+    points((0, 0))
+    drawn = "return [measured.made.length, canvases.across.lines.querySelectorAll('circle').length, measured.on]"
+    b.run("document.activeElement.blur()")
+    before = b.run(drawn)
+    b.press(KEYS["escape"])
+    after = b.run(drawn)
+    holds(after == [before[0] - 1, before[1] - 1, "distance"], f"Escape makes of {before} {after}")
+    for left in (2, 1, 0):
+        b.press(KEYS["delete"])
+        holds(b.run("return measured.made.length") == begun + left, f"Delete leaves {b.run(drawn)}")
+    b.press(KEYS["escape"])
+    holds(b.run("return [measured.on, at('measure-bar').hidden]") == ["", True], "Escape does not leave the tool")
+
+
+def saved_pictures_show_what_is_measured(b):
+    """A line of a distance is in the picture that is saved of its slice, and in no other."""
+    found = b.run("""const green = (image) => { const g = new OffscreenCanvas(image.width, image.width).getContext('2d'); g.drawImage(image, 0, 0);
+            const d = g.getImageData(0, 0, image.width, image.width).data; let count = 0;
+            for (let i = 0; i < d.length; i += 4) count += d[i] === 0x7f && d[i + 1] === 0xd6 && d[i + 2] === 0xa0; return count; };
+        return Promise.all(['across', 'along'].map((view) => new Promise((done) => canvases[view].canvas.toBlob(done))
+            .then((blob) => captioned(blob, [], view)).then(createImageBitmap).then(green)))""")
+    holds(found[0] > 100 and found[1] == 0, f"green in the saved slices: {found}")
+
+
+def words_on_a_picture(b):
+    """On slices and on the result, where they turn away with what they were written on."""
+    b.click("#measure")
+    choose(b, "measure-of", "text")
+    b.drag(RESULT, (10, 10), (10, 10))
+    holds(b.run("return [measured.made.filter((one) => one.kind === 'text').length, document.activeElement.id]") == [0, "words"], "words without words")
+    b.keys("#words", "left hand")
+    camera = b.run("return state.camera")
+    for css in (RESULT, ".screen[data-view=deep]"):
+        b.drag(css, (-20, 10), (10, 10))
+    said = "return ['result', 'deep'].map((view) => canvases[view].labels.textContent)"
+    holds(b.run(said)[0] == "left hand" and b.run(said)[1].endswith("left hand") and b.run("return state.camera") == camera, f"written: {b.run(said)}")
+    b.run("turn(5, 0)", then="turned")
+    holds(b.run(said) == ["", ""], f"written on what has turned away: {b.run(said)}")
+    b.run("resetCamera()", then="straight")
+    holds("Result: left hand" in b.run("return at('report').value"), "a report does not tell the words")
+    b.run("measure('')")
+
+
+def slices_turn_and_mirror(b):
+    """Flipped and turned by quarters, a slice has its letters, its crosshair and its measurements at the tissue that they belong to."""
+    letters = {"": "A P H F", "r": "F H A P", "ri": "H F A P", "rir": "P A H F"}
+    choose(b, "source", "file 0 lying.mha", then="a file that says how the patient lies")
+    b.run("canvases.across.screen.focus(); state.cross = [0.7, 0.5, 0.4]; placeCross(); changed(false)", then="a crosshair")
+    b.run("measure('distance'); setPoint('across', 0.2, 0.5, true); setPoint('across', 0.4, 0.6, true); measure('')")
+    before = b.run("return canvases.across.labels.textContent")
+    done = ""
+    for key, expected in zip(["", *"rir"], letters.values(), strict=True):
+        if key:
+            b.keys(".screen[data-view=across]", key)
+        done += key
+        holds(directions(b, "across")[1] == expected, f"'{done}': {directions(b, 'across')}, expected {expected}")
+    holds(directions(b, "across")[0].endswith("sagittal, mirrored") and directions(b, "across")[2] == "up probe", f"turned and mirrored: {directions(b, 'across')}")
+    holds(b.run("return [look.turned.across, look.turned.deep, canvases.across.canvas.style.transform]") == [4, 0, "rotate(0deg) scale(-1, 1)"], "it stands otherwise")
+    cross = b.run("return [canvases.across.down.style.left, canvases.across.right.style.top].map(parseFloat)")
+    holds(abs(cross[0] - 30) < 1e-6 and abs(cross[1] - 40) < 1e-6, f"the crosshair of 0.7, 0.4 stands at {cross}")
+    wide = b.run("return canvases.across.screen.getBoundingClientRect().width")
+    b.drag(".screen[data-view=across]", (0.1 * wide, 0), (0.1 * wide, 0), then="a click right of the middle")
+    holds(abs(b.run("return state.cross[0]") - 0.4) < 0.02, f"a click on a mirrored slice goes to {b.run('return state.cross')}")
+    holds(b.run("return canvases.across.labels.textContent") == before and before, "a measured distance changes")
+    b.wait_for("location.hash.includes('turned=4')", "the address")
+    saved = b.run("""const { canvas } = canvases.across, row = (c) => { const g = new OffscreenCanvas(512, 512).getContext('2d'); g.drawImage(c, 0, 0); return [...g.getImageData(0, 300, 512, 1).data].filter((_, i) => i % 4 === 0); };
+        return new Promise((done) => canvas.toBlob(done)).then((blob) => captioned(blob, [], 'across')).then(createImageBitmap).then((image) => [row(canvas), row(image)])""")
+    far = sum(abs(a - b) > 8 for a, b in zip(saved[0][::-1], saved[1], strict=True))
+    holds(far < 60 and saved[0] != saved[0][::-1], f"a saved slice is not mirrored: {far} pixels differ")
+    for _ in range(2):
+        b.run("document.activeElement.blur()")
+        b.click("#flip")
+    holds(b.run("return look.turned") == {"across": 4, "along": 0, "deep": 0}, "both flips of all do not end where they began")
+    b.run("flip(['across']); state.cross = [0.5, 0.5, 0.5]; placeCross()")
+    choose(b, "source", "file 0 D01_full.mha", then="the other file")
 
 
 def a_captioned_picture(b, work):
@@ -267,7 +379,11 @@ def main():
             planes_lie_in_the_patient(b)
             distances(b)
             several_distances_are_kept(b)
+            angles_and_areas(b)
+            saved_pictures_show_what_is_measured(b)
+            words_on_a_picture(b)
             saved_pictures_say_how_they_lie(b)
+            slices_turn_and_mirror(b)
             a_captioned_picture(b, work)
             one_volume_stands_still(b)
             presets(b)

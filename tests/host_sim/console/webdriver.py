@@ -13,7 +13,7 @@ import urllib.error
 import urllib.request
 
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
-KEYS = {"left": "\ue012", "up": "\ue013", "right": "\ue014", "down": "\ue015", "home": "\ue011", "tab": "\ue004"}
+KEYS = {"left": "\ue012", "up": "\ue013", "right": "\ue014", "down": "\ue015", "home": "\ue011", "tab": "\ue004", "delete": "\ue017", "escape": "\ue00c"}
 # Seconds in which what a test waits for has come, kernels compiled before included; instrumented code takes longer.
 PATIENCE = 400  # s: kernels that no cache has, on a machine with much else to do; CTest ends a test after 1500
 
