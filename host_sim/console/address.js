@@ -95,7 +95,7 @@ function boxAt(address) {
   }, []);
 }
 
-const KNOWN = ["scene", "file", "from", "camera", "volume", "play", "cross", "light", "look", ...Object.keys(RENDER_RANGES), "a", "b", "marks", "box", "layout", "third",
+const KNOWN = ["scene", "file", "from", "camera", "volume", "play", "cross", "thick", "light", "look", ...Object.keys(RENDER_RANGES), "a", "b", "marks", "box", "layout", "third",
   "compare", "wipe", "turned", ...GREY];
 
 /* The address is read once, when the console has said what there is. Returns what was left out, by name. */
@@ -109,6 +109,7 @@ function readAddress(hello, text) {
   state.play.speed = address.number("play", 1, 50, 20);
   state.play.on = address.given.has("play");
   state.cross = address.numbers("cross", [share, share, share], [0.5, 0.5, 0.5]);
+  state.thick = address.number("thick", 0, 20, 0);
   state.render = renderIn(address);
   state.marks = marksIn(address, hello.marks.most);
   state.box = boxAt(address);

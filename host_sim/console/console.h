@@ -25,6 +25,7 @@ enum {
     HS_CONSOLE_KEY = 64,      /* bytes of a parameter's key */
     HS_CONSOLE_VALUES = 96,   /* parameters of a lane */
     HS_CONSOLE_LANES = 2,     /* settings side by side */
+    HS_CONSOLE_THICK = 20,    /* mm of a slice, at most */
     HS_CONSOLE_PICTURE = 1024 /* pixels of a picture's side, at most; 16 at least */
 };
 
@@ -77,6 +78,7 @@ typedef struct {
     double speed;        /* volumes a second */
     uint32_t index;      /* the volume while it does not play */
     double cross[3];     /* where the slices lie, 0 .. 1 of the picture's window: right, down, away */
+    double thick;        /* mm that slices are averaged over; 0: one voxel */
     hs_dvr_settings dvr; /* but for the picture's size */
     hs_console_lane lane[HS_CONSOLE_LANES]; /* lane 0 is always used */
     hs_mark marks[HS_MARKS_MAX];            /* for all lanes */

@@ -193,6 +193,7 @@ static const hs_json_field state_fields[] = {
     FIELD(hs_console_state, hurried, FLAG, 0, 0, true),
     OTHER("play", true),
     FIELD(hs_console_state, cross, DOUBLE, 0, 1, true),
+    FIELD(hs_console_state, thick, DOUBLE, 0, HS_CONSOLE_THICK, true),
     OTHER("render", true),
     OTHER("lanes", true),
     OTHER("marks", true),

@@ -24,7 +24,7 @@ typedef struct {
     bool sent;
     uint32_t size;
     uint64_t scene_epoch, clip_epoch;
-    double cross[3];
+    double cross[3], thick;
 } hs_console_sent;
 
 #define BAND_MM 8.0 /* half the width of the confidence band where nothing is sure */
@@ -49,11 +49,13 @@ static bool hs_console_is_stale(const hs_console_stage *stage, hs_console_view v
     const uint64_t clip_epoch = clips ? stage->clip_epoch : 0;
     const bool same = sent->sent && sent->size == stage->screen_dvr.width &&
                       sent->scene_epoch == stage->scene_epoch && sent->clip_epoch == clip_epoch &&
-                      (!is_slice(view) || same_place(sent->cross, stage->state.cross));
+                      (!is_slice(view) ||
+                       (same_place(sent->cross, stage->state.cross) && sent->thick == stage->state.thick));
     *sent = (hs_console_sent){.sent = true,
                               .size = stage->screen_dvr.width,
                               .scene_epoch = stage->scene_epoch,
-                              .clip_epoch = clip_epoch};
+                              .clip_epoch = clip_epoch,
+                              .thick = stage->state.thick};
     memcpy(sent->cross, stage->state.cross, sizeof sent->cross);
     return !same;
 }
@@ -99,6 +101,7 @@ static bool draw_slice(hs_console_stage *stage, hs_slice_plane plane, const hs_m
     hs_slice_scene s = {.volume = hs_source_bring(&stage->source, stage->index, err),
                         .maps = maps,
                         .band_mm = BAND_MM,
+                        .thick_mm = stage->state.thick,
                         .crop = stage->source.crop.used ? &stage->source.crop : NULL};
     for (int k = 0; k < 3; k++) {
         s.low[k] = 0.5 - 0.5 * share;

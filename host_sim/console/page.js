@@ -234,7 +234,7 @@ function tellWhatWasLeft(ofAddress, presets) {
 
 /* What an address says may fit no volume: then the volume is shown without it, or the first scene. */
 function startWithLess(text) {
-  const bare = { camera: { yaw: 0, pitch: 0, roll: 0, zoom: 1 }, lanes: [{ plugin: 0, values: {} }], marks: [], box: [], render: structuredClone(usualRender) };
+  const bare = { camera: { yaw: 0, pitch: 0, roll: 0, zoom: 1 }, lanes: [{ plugin: 0, values: {} }], thick: 0, marks: [], box: [], render: structuredClone(usualRender) };
   if (lastFigures || link.less > 1) return;
   link.less += 1;
   Object.assign(state, bare, link.less > 1 ? { source: { scene: "D01", size: 128, volumes: 1, from: "probe" } } : {});
@@ -251,6 +251,7 @@ function showSettings() {
   at("wipe").value = String(look.wipe);
   at("layout").value = look.layout;
   showGrey();
+  showThick();
   showTurned();
   showChosenSource();
   buildRenderer();
@@ -311,6 +312,8 @@ function listen() {
     at(key).addEventListener("input", () => setGrey(key, Number(at(key).value)));
     at(key).addEventListener("dblclick", () => setGrey(key, 1));
   }
+  at("thick").addEventListener("input", () => setThick(Number(at("thick").value)));
+  at("thick").addEventListener("dblclick", () => setThick(0));
   at("clear-marks").addEventListener("click", clearMarks);
   at("undo").addEventListener("click", () => goTo(undo.past, undo.future));
   at("redo").addEventListener("click", () => goTo(undo.future, undo.past));

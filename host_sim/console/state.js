@@ -15,6 +15,7 @@ const state = {
   hurried: false,
   play: { on: false, speed: 20, index: 0 },
   cross: [0.5, 0.5, 0.5],
+  thick: 0, /* mm of the slices; 0: one voxel */
   render: {},
   lanes: [{ plugin: 0, values: {} }],
   marks: [], /* x, y, z and radius in mm, 1: keep or 0: remove */
@@ -63,6 +64,7 @@ function writeAddressNow() {
   if (state.play.index) at.set("volume", state.play.index);
   if (state.play.on) at.set("play", short(state.play.speed));
   if (state.cross.some((x) => x !== 0.5)) at.set("cross", state.cross.map(short).join(","));
+  if (state.thick) at.set("thick", short(state.thick));
   for (const key of RENDER_KEYS) {
     const now = String(state.render[key]);
     if (now !== String(usualRender[key])) at.set(key, now);

@@ -7,8 +7,8 @@ const undo = { past: [], future: [], now: "", held: false };
 
 /* All but what plays. */
 function settings() {
-  const { source, camera, cross, render, lanes, marks, box } = state;
-  return JSON.stringify({ state: { source, camera, cross, render, lanes, marks, box }, look });
+  const { source, camera, cross, thick, render, lanes, marks, box } = state;
+  return JSON.stringify({ state: { source, camera, cross, thick, render, lanes, marks, box }, look });
 }
 
 /* A drag is one step, however long it rests on its way: nothing is noted until the hand lets go. */

@@ -206,6 +206,18 @@ function showGrey() {
   }
 }
 
+/* Drawn by the console, as what is set there is. */
+function showThick() {
+  at("thick").value = String(state.thick);
+  at("thick-text").textContent = state.thick ? inSteps(state.thick, 0.5) + unitOf(!lastFigures || lastFigures.source.mm) : "1 voxel";
+}
+
+function setThick(mm) {
+  state.thick = mm;
+  showThick();
+  changed(true);
+}
+
 function setGrey(key, value) {
   look[key] = value;
   showGrey();

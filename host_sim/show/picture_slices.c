@@ -11,6 +11,7 @@
 #include <string.h>
 
 #define DIMMED     0.4 /* of what is removed */
+#define MAX_LAYERS 16  /* that a thick slice is averaged over */
 #define BAND_SHARE 0.4 /* of the band's colour in a pixel of it */
 
 /* Which of the box' axes run right and down, and which one the slice stands on. */
@@ -29,6 +30,37 @@ static uint8_t voxel_at(const hs_slice_scene *s, const hs_box_map *map, const do
     const hs_volume *v = s->volume;
     uint32_t at[3];
     return hs_box_map_voxel(map, v, box, at) ? v->voxels[((size_t)at[2] * v->ny + at[1]) * v->nx + at[0]] : 0;
+}
+
+/* The places over which a pixel is averaged, along the axis that the slice stands on. */
+typedef struct {
+    int axis, count;
+    double first, step; /* of the box, from the slice on */
+} layers;
+
+static layers layers_of(const hs_slice_scene *s, hs_slice_plane p) {
+    const hs_camera *c = &s->maps->camera;
+    const double *pitch = s->volume->spacing, fine = fmin(fmin(pitch[0], pitch[1]), pitch[2]);
+    layers l = {.axis = 3 - right_axis[p] - down_axis[p], .count = 1};
+    const double thick = s->thick_mm / (l.axis == 2 ? c->depth_extent : c->extent);
+    l.count = (int)fmin(fmax(ceil(s->thick_mm / fine), 1.0), MAX_LAYERS);
+    l.step = thick / l.count;
+    l.first = 0.5 * l.step - 0.5 * thick;
+    return l;
+}
+
+/* The mean over the layers that lie in the volume's box. */
+static uint8_t level_at(const hs_slice_scene *s, const hs_box_map *map, const layers *l,
+                        const double box[3]) {
+    uint32_t sum = 0, count = 0;
+    for (int i = 0; i < l->count; i++) {
+        double place[3] = {box[0], box[1], box[2]};
+        place[l->axis] += l->first + i * l->step;
+        if (place[l->axis] < 0.0 || place[l->axis] > 1.0) continue;
+        sum += voxel_at(s, map, place);
+        count++;
+    }
+    return count > 0 ? (uint8_t)((sum + count / 2) / count) : 0;
 }
 
 /* A map of the low-resolution volume at a place of the box. */
@@ -72,14 +104,14 @@ static bool is_in_crop(const hs_slice_scene *s, const hs_box_map *m, const doubl
 }
 
 /* One pixel; what becomes of it. */
-static uint8_t fill_pixel(const hs_slice_scene *s, const hs_box_map *map, const double box[3],
-                          uint8_t *rgba) {
+static uint8_t fill_pixel(const hs_slice_scene *s, const hs_box_map *map, const layers *l,
+                          const double box[3], uint8_t *rgba) {
     for (int k = 0; k < 3; k++)
         if (box[k] < 0.0 || box[k] > 1.0) {
             set_pixel(rgba, HS_COLOUR_BACKGROUND);
             return HS_SLICE_UNSCANNED;
         }
-    const uint8_t voxel = voxel_at(s, map, box);
+    const uint8_t voxel = level_at(s, map, l, box);
     const double start = start_at(s, box[0], box[1]);
     const bool removed = box[2] < start;
     const uint32_t level = (uint32_t)(voxel * (removed ? DIMMED : 1.0));
@@ -104,6 +136,7 @@ static void draw_line(uint32_t n, uint8_t *rgba, const uint8_t *state) {
 
 void hs_slice_fill(const hs_slice_scene *scene, hs_slice_plane plane, uint32_t cell, uint8_t *rgba,
                    uint8_t *state) {
+    const layers l = layers_of(scene, plane);
     hs_box_map map;
     hs_camera_box_map(&scene->maps->camera, scene->volume, &map);
     for (uint32_t j = 0; j < cell; j++)
@@ -111,7 +144,7 @@ void hs_slice_fill(const hs_slice_scene *scene, hs_slice_plane plane, uint32_t c
             double box[3];
             const size_t at = (size_t)j * cell + i;
             box_of(scene, plane, (i + 0.5) / cell, (j + 0.5) / cell, box);
-            state[at] = fill_pixel(scene, &map, box, rgba + 4 * at);
+            state[at] = fill_pixel(scene, &map, &l, box, rgba + 4 * at);
         }
     draw_line(cell, rgba, state);
     if (!scene->crop) return;

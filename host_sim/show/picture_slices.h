@@ -19,6 +19,8 @@ typedef struct {
     double at[3];           /* where the slices lie */
     double low[3], side[3]; /* the squares: where they begin, and what of the box they span */
     double band_mm; /* the band's half width where nothing is sure, on either side of the line; 0: none */
+    double
+        thick_mm; /* a pixel is the mean over so much, half of it on either side of the slice; 0: one voxel */
     const hs_crop *crop; /* what lies outside is as beside the box; NULL: nothing does */
 } hs_slice_scene;
 

@@ -16,6 +16,7 @@ static const char *const parts[][2] = {
     {"hurried", "true"},
     {"play", "{\"on\":true,\"speed\":12.5,\"index\":2}"},
     {"cross", "[0,0.25,1]"},
+    {"thick", "2.5"},
     {"render", "{\"look\":\"lit\",\"light\":[-35,40],\"t_low\":0.16,\"t_high\":0.45,\"ghost_width\":4,"
                "\"ghost_offset\":-1,\"ghost_doubt\":2,\"exposure\":1}"},
     {"lanes", "[{\"plugin\":0,\"values\":{\"q\":0.25,\"method\":1}},{\"plugin\":1,\"values\":{}}]"},
@@ -68,7 +69,7 @@ static void a_state_arrives_as_it_was_meant(void **unused) {
     assert_int_equal(s->draft, 128);
     assert_true(s->hurried && s->playing && s->speed == 12.5);
     assert_int_equal(s->index, 2);
-    assert_true(s->cross[0] == 0 && s->cross[1] == 0.25 && s->cross[2] == 1);
+    assert_true(s->cross[0] == 0 && s->cross[1] == 0.25 && s->cross[2] == 1 && s->thick == 2.5);
     assert_int_equal(s->dvr.look, HS_LOOK_LIT);
     assert_true(s->dvr.ghost_width == 4.0f && s->dvr.ghost_offset == -1.0f && s->dvr.light[0] == -35.0f);
     assert_true(s->lane[0].used && s->lane[1].used);
@@ -184,6 +185,7 @@ static const struct {
     {"play", "{\"on\":true,\"speed\":1000,\"index\":0}", "play.speed: is 1000, expected 0.1 .. 100"},
     {"play", "{\"on\":true,\"speed\":1,\"index\":4294967296}",
      "play.index: is 4294967296, expected 0 .. 1000000"},
+    {"thick", "20.5", "thick: is 20.5, expected 0 .. 20"},
     {"cross", "[0,0]", "cross: has 2 elements, expected 3"},
     {"cross", "[0,0,2]", "cross[2]: is 2, expected 0 .. 1"},
     {"render",

@@ -53,6 +53,24 @@ static void test_slices(void **unused) {
         assert_true(colour(CELL / 2, j) != HS_SLICE_LINE);
 }
 
+/* Seven layers at x = 3 to 9, a millimetre apart, of which three lie beside what was scanned. */
+static void test_thick_slice(void **unused) {
+    hs_maps maps;
+    const hs_volume volume = half_a_scan(&maps);
+    hs_slice_scene scene = {
+        .volume = &volume, .maps = &maps, .at = {6.5 / SIDE, 0.5, 0.5}, .side = {1.0, 1.0, 1.0}};
+    const int scanned = CELL / 2 * CELL + CELL * 7 / 10; /* behind all starts of rays */
+    for (int n = 1; n <= 7; n += 2) {
+        scene.thick_mm = n;
+        hs_slice_fill(&scene, HS_SLICE_ALONG, CELL, rgba, state);
+        assert_int_equal(rgba[4 * scanned], (200 * (n / 2 + 1) + n / 2) / n);
+        assert_int_equal(colour(CELL / 8, CELL / 2), 0);
+    }
+    scene.thick_mm = 0.0;
+    hs_slice_fill(&scene, HS_SLICE_ALONG, CELL, rgba, state);
+    assert_int_equal(rgba[4 * scanned], 200);
+}
+
 static void test_depthmap(void **unused) {
     hs_maps maps;
     const hs_volume volume = half_a_scan(&maps);
@@ -63,4 +81,4 @@ static void test_depthmap(void **unused) {
     }
 }
 
-UNIT_MAIN(NULL, NULL, test_slices, test_depthmap)
+UNIT_MAIN(NULL, NULL, test_slices, test_thick_slice, test_depthmap)

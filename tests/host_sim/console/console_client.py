@@ -172,7 +172,7 @@ class Page:
         state = {"type": "state", "serial": self.serial,
                  "source": {"scene": "D01", "size": SIZE, "volumes": 1, "from": "probe"},
                  "camera": {"yaw": 0, "pitch": 0, "roll": 0, "zoom": 1}, "views": ["result"], "picture": 64, "draft": 32,
-                 "hurried": False, "play": {"on": False, "speed": 20, "index": 0}, "cross": [0.5, 0.5, 0.5],
+                 "hurried": False, "play": {"on": False, "speed": 20, "index": 0}, "cross": [0.5, 0.5, 0.5], "thick": 0,
                  "render": {"look": "thesis", "light": [-35, 40], "t_low": 0.1588, "t_high": 0.45, "ghost_width": 0,
                             "ghost_offset": 0, "ghost_doubt": 2, "exposure": 1.5},
                  "lanes": [{"plugin": 0, "values": {}}], "marks": [], "box": []}

@@ -22,7 +22,7 @@ ADDRESSES = [("scene=D01,64,1", ""), ("scene=NONE", "scene"), ("scene=D01,1e9", 
              ("camera=,,", "camera"), ("camera=NaN,0", "camera"), ("volume=-1&play=1e9", "volume, play"), ("cross=0.5,2,0.5", "cross"), ("a=200", "a"), ("a=0,q:x", "a"), ("a=0,q", "a"),
              ("a=0,__proto__:1", ""), ("a=0,q:0.25", ""), ("a=1.5", "a"), ("compare=both", "compare"), ("compare=side&b=-1", "b"), ("marks=1,2,3", "marks"), ("marks=1,2,3,0,1", "marks"),
              ("marks=1,2,3,4,5", "marks"), ("marks=;", "marks"), ("box=1,2,3", "box"), ("box=9,9,9,1,1,1", "box"), ("t_low=0.9&t_high=0.1", "t_low, t_high"), ("exposure=0", "exposure"),
-             ("light=900,1", "light"), ("look=x&third=y&layout=z&from=w", "from, look, layout, third"), ("wipe=x&gain=-1", "wipe, gain"), ("slices=off", "slices"), ("%F0%28=1", "�("),
+             ("light=900,1", "light"), ("look=x&third=y&layout=z&from=w", "from, look, layout, third"), ("wipe=x&gain=-1", "wipe, gain"), ("thick=21&turned=8", "thick, turned"), ("slices=off", "slices"), ("%F0%28=1", "�("),
              ("file=0:none.mha", ""), ("file=77:x", ""), ("a=0,nonesuch:1", ""), ("a=0,q:99", ""), ("box=5000,5000,5000,6000,6000,6000", ""), ("=&&&==", "")]
 # Those that only a volume or a plugin can refuse: the page says why, and shows what it can.
 REFUSED = ("file=0:none.mha", "file=77:x", "a=0,nonesuch:1", "a=0,q:99", "box=5000,5000,5000,6000,6000,6000")

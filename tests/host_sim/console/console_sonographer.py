@@ -208,6 +208,12 @@ def slices_turn_and_mirror(b):
     holds(abs(b.run("return state.cross[0]") - 0.4) < 0.02, f"a click on a mirrored slice goes to {b.run('return state.cross')}")
     holds(b.run("return canvases.across.labels.textContent") == before and before, "a measured distance changes")
     b.wait_for("location.hash.includes('turned=4')", "the address")
+    thin = [pixels(b, view) for view in ("across", "result")]
+    b.run("setThick(10)", then="a thick slice")
+    thick = [pixels(b, view) for view in ("across", "result")]
+    holds(thick[0] != thin[0] and thick[1] == thin[1] and directions(b, "across")[0].endswith(", 10 mm thick"), f"10 mm: {thin}, {thick}, {directions(b, 'across')}")
+    b.run("setThick(0)", then="a thin slice")
+    holds(pixels(b, "across") == thin[0], "a slice stays thick")
     saved = b.run("""const { canvas } = canvases.across, row = (c) => { const g = new OffscreenCanvas(512, 512).getContext('2d'); g.drawImage(c, 0, 0); return [...g.getImageData(0, 300, 512, 1).data].filter((_, i) => i % 4 === 0); };
         return new Promise((done) => canvas.toBlob(done)).then((blob) => captioned(blob, [], 'across')).then(createImageBitmap).then((image) => [row(canvas), row(image)])""")
     far = sum(abs(a - b) > 8 for a, b in zip(saved[0][::-1], saved[1], strict=True))
