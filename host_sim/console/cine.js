@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* A cine: pictures of a turn of the camera, or of the volumes, in one animated PNG. */
+/* A cine: pictures of a turn of the camera, or of the volumes, in one animated PNG, or in a video where the browser makes one. */
 "use strict";
 
 const TURN_STEPS = 36;
 const CINE_MS = 80; /* a picture */
 const ALL_VOLUMES = "all volumes, ";
+
+const VIDEO_BITS = 8e6; /* a second */
+const CODED_MS = 500; /* that a coder gets for a frame at most; one of MP4 tells nothing before the end */
+
+/* What a cine can be: the suffix of its name, what it is called, and how the browser calls a video. */
+const CINE_KINDS = [["png", "animated PNG", ""], ["mp4", "MP4", "video/mp4"], ["webm", "WebM", "video/webm"]];
 
 /* `take`: who waits for the console's next PNG; null: it is one to be saved. So nothing else is asked for meanwhile, and a cine
  * that is cancelled waits for the last one. */
@@ -47,6 +53,48 @@ async function animated(blobs) {
   return new Blob([...parts, chunkOf("IEND")], { type: "image/png" });
 }
 
+function offerCines() {
+  const there = CINE_KINDS.filter(([, , type]) => !type || window.MediaRecorder?.isTypeSupported(type));
+  at("cine-as").replaceChildren(...there.map(([suffix, text]) => make("option", { value: suffix, text })));
+  at("cine-as").hidden = there.length < 2;
+}
+
+/* A video of them, recorded as they are shown on a canvas of its own: a frame takes as long as it is shown, however long the coder needs. Coders
+ * want even sides. */
+async function filmed(blobs, type) {
+  const images = await Promise.all(blobs.map((blob) => createImageBitmap(blob))), even = (n) => n + (n % 2);
+  const canvas = make("canvas", { width: even(images[0].width), height: even(images[0].height) }), g = canvas.getContext("2d");
+  const stream = canvas.captureStream(0), [track] = stream.getVideoTracks(), parts = [], pause = (ms) => new Promise((done) => { setTimeout(done, ms); });
+  const recorder = new MediaRecorder(stream, { mimeType: type, videoBitsPerSecond: VIDEO_BITS });
+  const stopped = new Promise((done) => { recorder.onstop = recorder.onerror = done; });
+  let arrived = null;
+  recorder.ondataavailable = ({ data }) => {
+    parts.push(data);
+    if (data.size) arrived?.();
+  };
+  recorder.start(1);
+  for (const image of [...images, images[images.length - 1]]) { /* the last one twice: it is shown as long as the others */
+    const coded = new Promise((done) => { arrived = done; });
+    if (recorder.state === "paused") recorder.resume();
+    g.drawImage(image, 0, 0);
+    track.requestFrame();
+    await pause(CINE_MS);
+    if (recorder.state === "recording") recorder.pause();
+    await Promise.race([coded, pause(CODED_MS)]);
+  }
+  if (recorder.state !== "inactive") recorder.stop();
+  await stopped;
+  track.stop();
+  return new Blob(parts, { type });
+}
+
+async function saveCine(pictures, view) {
+  const suffix = at("cine-as").value, [, name, type] = CINE_KINDS.find(([one]) => one === suffix);
+  const blob = type ? await filmed(pictures, type).catch(() => null) : await animated(pictures);
+  if (blob?.size) save(blob, view + "_cine", suffix);
+  else notice("This browser records no " + name + ". An animated PNG needs no recorder.", false);
+}
+
 /* The picture of what is set now; null: there is none. */
 async function nextPicture(words) {
   changed(false);
@@ -73,7 +121,7 @@ async function recordCine() {
   }
   Object.assign(state, { camera, play: { ...played, on: false } });
   at("written").textContent = cine.on ? "Cine: " + count + " pictures" : "Cine: cancelled";
-  if (cine.on) save(await animated(pictures), view + "_cine");
+  if (cine.on) await saveCine(pictures, view);
 }
 
 function stopCine() {

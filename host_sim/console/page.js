@@ -186,9 +186,9 @@ async function savePicture(view, picture) {
   save(at("with-caption").checked ? await captioned(picture, wordsOf(view, asked), view, asked) : picture, view);
 }
 
-function save(blob, what) {
+function save(blob, what, suffix = "png") {
   const { scene, path } = lastFigures.of.source;
-  const name = [scene || path.split("/").pop(), what].join("_").replace(/[^\w.-]/g, "_") + ".png";
+  const name = [scene || path.split("/").pop(), what].join("_").replace(/[^\w.-]/g, "_") + "." + suffix;
   const link_ = make("a", { href: URL.createObjectURL(blob), download: "smartvis_" + name });
   document.body.dataset.snapshot = blob.size;
   link_.click();
@@ -331,5 +331,6 @@ function listen() {
 }
 
 listen();
+offerCines();
 buildBox();
 connect();

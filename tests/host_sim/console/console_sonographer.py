@@ -12,7 +12,7 @@ import tempfile
 
 from console_client import Console, holds
 from console_look import PATIENCE, RESULT, SUM, a_page, choose, pixels, png_pixels, settle, snapshot, until
-from webdriver import KEYS
+from webdriver import KEYS, Browser
 
 BUILD = sys.argv[1]
 ENTER = "\ue007"
@@ -345,6 +345,31 @@ def a_cine(b, work):
     holds(found == [3, seen] and len(set(seen)) == 3, f"{found}, and one by one {seen}")
 
 
+def a_film(b, console, work):
+    """A video of the volumes begins with the first one and ends with the last; where the browser has no recorder it is not offered."""
+    offered = "offerCines(); return [[...at('cine-as').options].map((o) => o.value), at('cine-as').hidden]"
+    kinds = b.run(offered)[0]
+    without = b.run("const all = window.MediaRecorder; window.MediaRecorder = undefined; try { return (() => { " + offered + " })(); } finally { window.MediaRecorder = all; offerCines(); }")
+    holds(kinds[0] == "png" and "webm" in kinds and without == [["png"], True], f"offered are {kinds}, without a recorder {without}")
+    small = "const small = (one) => { const g = new OffscreenCanvas(32, 32).getContext('2d'); g.drawImage(one, 0, 0, 32, 32); return [...g.getImageData(0, 0, 32, 32).data]; };"
+    last = b.run(small + "at('cine-as').value = 'webm'; at('with-caption').checked = false; delete document.body.dataset.snapshot; return small(canvases.result.canvas)")
+    b.click("#cine")
+    size, path = int(b.wait_for("document.body.dataset.snapshot", "a film")), os.path.join(work, "smartvis_D01_result_cine.webm")
+    until(lambda: os.path.exists(path) and os.path.getsize(path) == size, PATIENCE, "its file")
+    b.wait_for("at('cine').textContent === 'Save a cine'", "the end of a film")
+    b.run("at('cine-as').value = 'png'", then="the page at rest")
+    with open(path, "rb") as file:
+        data = base64.b64encode(file.read()).decode()
+    Browser.open(b, "about:blank")  # where no policy forbids to play it
+    b.run("""const video = document.createElement('video'); Object.assign(video, { muted: true, autoplay: true });
+        video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(arguments[0]), (c) => c.charCodeAt(0))])); document.body.append(video);""", data)
+    b.wait_for("document.querySelector('video')?.ended", "the end of a film", 60)
+    wide, seconds, shown = b.run(small + "const video = document.querySelector('video'); return [video.videoWidth, video.duration, small(video)]")
+    far = sum(abs(x - y) for x, y in zip(last, shown, strict=True)) / len(last)
+    holds(wide == 512 and 0.1 < seconds < 1 and far < 6, f"a film {wide} wide, of {seconds} s, whose end is {far} levels beside the last volume")
+    b.open(console.address + "#scene=D01,64,3", then="the page again")
+
+
 def drop(b, *paths):
     data = {"items": [], "files": list(paths), "dragOperationsMask": 1}
     for kind in ("dragEnter", "dragOver", "drop"):
@@ -396,6 +421,7 @@ def main():
             taken_away(b, work)
             own_presets(b, console)
             a_cine(b, work)
+            a_film(b, console, work)
             dropped_files(b, scans)
             folder = [name for name in os.listdir(copies) if name.startswith("host_sim_console_")]
             holds(len(folder) == 1 and len(os.listdir(os.path.join(copies, folder[0]))) == 3, f"copies: {folder}")
