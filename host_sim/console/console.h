@@ -284,6 +284,10 @@ bool hs_console_stage_show(hs_console_stage *stage, const hs_console_state *stat
 bool hs_console_stage_mark(hs_console_stage *stage, hs_console_view view, const double at[2], hs_mark *mark,
                            hs_error *err);
 
+/* Ends loops and renderer, most of its memory; source, plugins and state stay. The next
+ * hs_console_stage_show makes them anew. */
+void hs_console_stage_rest(hs_console_stage *stage);
+
 /* True if the library of one of its lanes was built anew: the next hs_console_stage_show opens it again, with
  * the values it had. */
 bool hs_console_stage_is_rebuilt(const hs_console_stage *stage);
@@ -343,6 +347,10 @@ bool hs_console_show_frame(hs_console_show *show, const hs_console_state *state,
 
 /* True if a plugin that is shown was built anew: a frame would show it. */
 bool hs_console_show_is_rebuilt(const hs_console_show *show);
+
+/* Gives back what it draws with, until it draws again; pictures that were sent hold. False: it had nothing.
+ */
+bool hs_console_show_rest(hs_console_show *show);
 
 /* A snapshot, or results on the disk. False: the page is gone. */
 bool hs_console_show_deed(hs_console_show *show, const hs_console_message *deed);

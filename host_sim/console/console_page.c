@@ -5,11 +5,13 @@
 
 #include <malloc.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #define LOOK_S 0.5 /* between two looks at the libraries of a page at rest */
+#define REST_S 1.0 /* at least, before what a page draws with is another's */
 enum { UNDER_WAY = 2, MAX_REFUSED = 64 };
 
 struct hs_console_page {
@@ -93,19 +95,47 @@ static double next_due(double due, double speed) {
     return next < now ? now : next;
 }
 
+static void trim(void) {
+#ifdef __GLIBC__
+    (void)malloc_trim(0); /* what was freed is the system's again, not the next page's */
+#endif
+}
+
+/* Counts what all pages of the process have drawn. */
+static atomic_uint turns;
+
+/* When a page has drawn last: its turn, and when that ended. */
+typedef struct {
+    unsigned turn;
+    double end;
+} last_turn;
+
+/* A hand is on one page at a time. The others keep their pictures and their volume; what they draw with,
+ * which is most of their memory, they make anew when they need it. */
+static void rest_while_others_draw(hs_console_show *show, const last_turn *last) {
+    if (atomic_load(&turns) == last->turn || hs_now() - last->end < REST_S) return;
+    if (hs_console_show_rest(show)) trim();
+}
+
 static void follow(hs_console_page *page, hs_console_show *show) {
     hs_console_message deed;
+    last_turn last = {0};
     double due = 0.0;
     uint32_t index = 0;
     bool plays = false, alive = true, slow = false;
     while (alive) {
         const work what = wait_for_work(page, due, &deed);
         if (what == WORK_END) return;
-        if (what == WORK_DEED) {
-            alive = hs_console_show_deed(show, &deed);
+        if (what == WORK_LOOK && !hs_console_show_is_rebuilt(show)) {
+            rest_while_others_draw(show, &last);
             continue;
         }
-        if (what == WORK_LOOK && !hs_console_show_is_rebuilt(show)) continue;
+        last.turn = atomic_fetch_add(&turns, 1u) + 1u;
+        if (what == WORK_DEED) {
+            alive = hs_console_show_deed(show, &deed);
+            last.end = hs_now();
+            continue;
+        }
         if (what == WORK_NEXT) index++;
         if (!page->now.playing || !plays) index = page->now.index;
         if (what == WORK_NEXT || !plays) due = next_due(due, page->now.speed);
@@ -115,8 +145,9 @@ static void follow(hs_console_page *page, hs_console_show *show) {
         state.hurried |= slow;
         const double start = hs_now();
         alive = hs_console_show_frame(show, &state, index, next_frame(page));
+        last.end = hs_now();
         /* What plays slower than it should goes on in drafts. */
-        slow |= plays && what == WORK_NEXT && hs_now() - start > 1.0 / state.speed;
+        slow |= plays && what == WORK_NEXT && last.end - start > 1.0 / state.speed;
     }
 }
 
@@ -195,7 +226,5 @@ void hs_console_page_close(hs_console_page *page) {
     (void)pthread_mutex_destroy(&page->lock);
     (void)pthread_cond_destroy(&page->changed);
     free(page);
-#ifdef __GLIBC__
-    (void)malloc_trim(0); /* its volume and pictures are the system's again, not the next page's */
-#endif
+    trim();
 }

@@ -320,6 +320,19 @@ bool hs_console_show_is_rebuilt(const hs_console_show *show) {
     return show->open && hs_console_stage_is_rebuilt(&show->stage);
 }
 
+bool hs_console_show_rest(hs_console_show *show) {
+    const bool works = show->open && hs_console_stage_loop(&show->stage) != NULL;
+    if (works) hs_console_stage_rest(&show->stage);
+    return works;
+}
+
+/* What a deed is of: a stage that was at rest draws its last state again. */
+static bool wake(hs_console_show *show, hs_error *err) {
+    if (!show->open || !show->stage.has_source || hs_console_stage_loop(&show->stage)) return true;
+    const hs_console_state state = show->stage.state;
+    return hs_console_stage_show(&show->stage, &state, show->stage.index, err);
+}
+
 bool hs_console_show_frame(hs_console_show *show, const hs_console_state *state, uint32_t index,
                            uint64_t frame) {
     hs_error err = {0};
@@ -406,6 +419,8 @@ static bool find_mark(hs_console_show *show, const hs_console_message *deed) {
 }
 
 bool hs_console_show_deed(hs_console_show *show, const hs_console_message *deed) {
+    hs_error err = {0};
+    if (!wake(show, &err) && !refuse(show, &err)) return false;
     if (deed->deed == HS_CONSOLE_MARK) return find_mark(show, deed);
     return deed->deed == HS_CONSOLE_SNAPSHOT ? snapshot(show, deed->view) : write_results(show);
 }

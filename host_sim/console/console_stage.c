@@ -33,10 +33,20 @@ static void end_source(hs_console_stage *stage) {
     stage->has_source = false;
 }
 
+static void end_screen(hs_console_stage *stage) {
+    hs_screen_destroy(stage->screen);
+    stage->screen = NULL;
+}
+
+void hs_console_stage_rest(hs_console_stage *stage) {
+    end_loops(stage);
+    end_screen(stage);
+}
+
 void hs_console_stage_close(hs_console_stage *stage) {
     end_truth(stage);
     for (int i = 0; i < HS_CONSOLE_LANES; i++) hs_lane_close(&stage->lane[i]);
-    hs_screen_destroy(stage->screen);
+    end_screen(stage);
     end_source(stage);
     hs_cl_close(&stage->cl);
 }
@@ -174,7 +184,7 @@ static bool follow_screen(hs_console_stage *stage, const hs_console_state *state
     const bool same = same_renderer(&wanted, &stage->screen_dvr);
     if (stage->screen && same && wanted.width == stage->screen_dvr.width) return true;
     if (!same) stage->scene_epoch++;
-    hs_screen_destroy(stage->screen);
+    end_screen(stage);
     stage->screen = hs_screen_create(&stage->cl, &wanted, err);
     stage->screen_dvr = wanted;
     return stage->screen != NULL;

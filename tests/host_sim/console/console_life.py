@@ -162,12 +162,43 @@ def many_pages_leave_little():
             page.close()
             time.sleep(0.2)  # four pages at most: this one's room is free again
         time.sleep(1)
-        with open(f"/proc/{console.process.pid}/status") as status:
-            mib = int(status.read().split("VmRSS:")[1].split()[0]) >> 10
+        mib = memory(console, "VmRSS")
         holds(mib < 250 or os.environ.get("SV_SANITIZE"), f"after its pages the console has {mib} MiB")
         print(f"{mib} MiB after its pages")
     finally:
         console.end()
+
+
+def memory(console, of):
+    with open(f"/proc/{console.process.pid}/status") as status:
+        return int(status.read().split(of + ":")[1].split()[0]) >> 10
+
+
+def three_pages_at_a_time():
+    """Pages that are open while another one draws have their volume and little more, and when they are asked they draw and write what they drew before."""
+    seen = {"views": ["result", "across", "along", "deep"], "picture": 512, "lanes": [{"plugin": 0, "values": {"q": 0.4}}],
+            "source": {"scene": "D01", "size": 128, "volumes": 1, "from": "probe"}}
+    with tempfile.TemporaryDirectory() as work:
+        console = Console(BUILD, [*PLUGINS, "--stay", "--out", work])
+        try:
+            pages = []
+            for _ in range(3):
+                pages.append(Page(console))
+                for picture in (256, 512):
+                    holds(pages[-1].show(**{**seen, "picture": picture})["type"] == "frame", "there is no frame")
+                time.sleep(1.7)  # a hand goes from one page to the next
+            most = memory(console, "VmHWM")
+            holds(most <= 250 or os.environ.get("SV_SANITIZE"), f"three pages take {most} MiB")
+            before = {view: one[5] for view, one in pages[0].pictures.items()}
+            pages[0].pictures.clear()
+            pages[0].say({"type": "do", "what": "write"})
+            pages[0].must("written")
+            pages[0].show(**seen)
+            after = {view: one[5] for view, one in pages[0].pictures.items()}
+            holds(len(before) == 4 and after == before, "a page that was at rest draws other pictures")
+            print(f"{most} MiB with three pages")
+        finally:
+            console.end()
 
 
 def main():
@@ -178,6 +209,7 @@ def main():
     a_slow_sender()
     as_the_first_process()
     many_pages_leave_little()
+    three_pages_at_a_time()
     print("ok")
 
 
