@@ -5,7 +5,7 @@
 async function takeFile(file) {
   const { folder, most } = link.hello.drop;
   if (!/\.(mha|vol)$/i.test(file.name))
-    return notice(file.name + ": only .mha and .vol can be dropped; \"host_sim console FOLDER\" opens an .mhd, \"smartvis clip\" reads other formats.", false);
+    return notice(file.name + ": only .mha and .vol can be dropped; \"host_sim console FOLDER\" opens an .mhd, \"smartvis console FILE\" NRRD, NIfTI and DICOM.", false);
   if (most && file.size > most) return notice(file.name + ": only " + short(most / 2 ** 30) + " GiB can be dropped; \"host_sim console FOLDER\" opens it where it is.", false);
   notice("Copying " + file.name + " …", true);
   const query = new URLSearchParams({ t: token(), name: file.name });

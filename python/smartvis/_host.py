@@ -43,16 +43,16 @@ def run(arguments: Sequence[str], folder: str | None = None, **names: str) -> st
     """Runs host_sim in a folder and returns what it prints; HostError with its own line and exit code if it fails.
     `names`: by option, what the argument is called that it was made of."""
     program = find()
-    environment = _environment(program)
+    own = environment(program)
     command = [os.path.abspath(program), *arguments]
     ended = subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, encoding="utf-8", errors="replace", check=False
+        command, cwd=folder, env=own, capture_output=True, encoding="utf-8", errors="replace", check=False
     )
     if ended.returncode != 0:
         # Where its cache cannot be written, fontconfig says so first; nothing fails for that.
         lines = [line for line in ended.stderr.strip().splitlines() if not line.startswith("Fontconfig ")]
         first = lines[0] if lines else f"ended with code {ended.returncode} and said nothing"
-        cure = _runtime.cure(ended.stderr, environment) if ended.returncode == _OPENCL else ""
+        cure = _runtime.cure(ended.stderr, own) if ended.returncode == _OPENCL else ""
         kind = DeviceError if ended.returncode == _OPENCL else HostError
         raise kind(of_an_argument(first, **names) + cure, ended.returncode)
     return ended.stdout
@@ -62,10 +62,10 @@ def call(arguments: Sequence[str]) -> int:
     """Runs host_sim where its user sees what it says; returns its exit code."""
     program = find()
     command = [os.path.abspath(program), *arguments]
-    return subprocess.run(command, env=_environment(program), check=False).returncode
+    return subprocess.run(command, env=environment(program), check=False).returncode
 
 
-def _environment(program: str) -> dict[str, str]:
+def environment(program: str) -> dict[str, str]:
     """What host_sim gets: this process' variables, the OpenCL that the plugin has here, and the wheel's own font."""
     fonts = _OWN.with_name("share") / "fonts" / "fonts.conf"
     own = program == str(_OWN) and fonts.exists() and "FONTCONFIG_PATH" not in os.environ

@@ -248,6 +248,13 @@ def command_serve(args: argparse.Namespace) -> int:
     return OK
 
 
+def command_console(args: argparse.Namespace) -> int:
+    """Opens files in the machine's console."""
+    from .console import open_files
+
+    return open_files(args.file, ["--port", str(args.port), *(["--stay"] if args.stay else [])])
+
+
 def command_batch(args: argparse.Namespace) -> int:
     """Clips every volume of a study."""
     from . import _study, _sweep
@@ -379,6 +386,12 @@ def parser_of() -> argparse.ArgumentParser:
     doctor.add_argument("--frames", metavar="N", type=positive, default=200, help="that are timed [200]")
     doctor.add_argument("--out", default="out/verify", help="folder for the page [out/verify]")
     doctor.set_defaults(run=command_doctor)
+
+    live = commands.add_parser("console", help="open files in the live console, a web page; Ctrl-C ends it")
+    live.add_argument("file", nargs="+", help="NRRD, NIfTI, MetaImage, Kretz, DICOM (also a folder), sequences of them")
+    live.add_argument("--port", type=int, default=0, help="[0: any]")
+    live.add_argument("--stay", action="store_true", help="goes on when the last page is closed")
+    live.set_defaults(run=command_console)
 
     facts = commands.add_parser("parameters", help="the plugin's parameters")
     facts.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")
