@@ -255,6 +255,14 @@ def command_console(args: argparse.Namespace) -> int:
     return open_files(args.file, ["--port", str(args.port), *(["--stay"] if args.stay else [])])
 
 
+def command_dicom(args: argparse.Namespace) -> int:
+    """Writes saved pictures as DICOM."""
+    from ._capture import write
+
+    print(plain(str(write(args.picture, Path(args.out), Path(args.of) if args.of else None))))
+    return OK
+
+
 def command_batch(args: argparse.Namespace) -> int:
     """Clips every volume of a study."""
     from . import _study, _sweep
@@ -392,6 +400,14 @@ def parser_of() -> argparse.ArgumentParser:
     live.add_argument("--port", type=int, default=0, help="[0: any]")
     live.add_argument("--stay", action="store_true", help="goes on when the last page is closed")
     live.set_defaults(run=command_console)
+
+    about = "Saved pictures, as of the console, as one DICOM file: a secondary capture, or of several pictures, or an\
+ animated one, a capture of many frames. Whose they are is what the scan says that --of names, and nothing without it."
+    dicom = commands.add_parser("dicom", help="saved pictures and cines as a DICOM file", description=about)
+    dicom.add_argument("picture", nargs="+", help="PNG, also animated")
+    dicom.add_argument("--out", default="picture.dcm", help="the file [picture.dcm]")
+    dicom.add_argument("--of", metavar="SCAN", help="the DICOM file or folder that they were made of")
+    dicom.set_defaults(run=command_dicom)
 
     facts = commands.add_parser("parameters", help="the plugin's parameters")
     facts.add_argument("--plugin", metavar="PATH", help="plugin library [the package's own]")
