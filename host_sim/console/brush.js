@@ -98,7 +98,7 @@ function drawMarks() {
     viewOf(view).marks.replaceChildren(...marks.map(([cx, cy, r, keep]) => svg("circle", { cx, cy, r, class: keep ? "keep" : "remove" })));
   const how = { remove: "Remove: click or paint on the result what hides the fetus.", keep: "Keep: click where something was cut, or on the full volume.",
     lamp: "Lamp: a drag on a picture moves the light.", "": "Remove and Keep paint on the pictures; Lamp moves their light." };
-  at("brushed").title = at("brushed").textContent = (paints ? state.marks.length + " of " + brush.most + " marks. " : "") + how[brush.on];
+  sayTool((paints ? state.marks.length + " of " + brush.most + " marks. " : "") + how[brush.on]);
   at("clear-marks").disabled = !state.marks.length;
 }
 

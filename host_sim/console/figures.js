@@ -136,8 +136,6 @@ function showFigures(text) {
   placeLegends(text.source);
   placeDirections(text.source);
   drawMeasured();
-  showReport();
-  drawMarks();
   drawBox();
   rows("times", STAGES.map(([key, colour]) => [STAGE_NAMES[key], milliseconds(text.ms[key]), colour]).concat([["all", milliseconds(text.ms.all)]]));
   const source = text.source;

@@ -141,7 +141,6 @@ function setPoint(view, right, down, pressed) {
 function forget(figure) {
   measured.made = measured.made.filter((one) => one !== figure);
   drawMeasured();
-  showReport();
 }
 
 function forgetLast() {
@@ -160,11 +159,21 @@ function listMeasurements() {
   }));
 }
 
-function sayNext() {
-  const last = measured.made[measured.made.length - 1], { next } = MEASURES[measured.on] || { next: [""] };
-  const begun = last && !isWhole(last) && last.kind === measured.on ? last.points.length : 0;
-  const done = last && isWhole(last) && last.kind === measured.on ? measurements().pop() : "";
-  at("distance").textContent = !measured.on ? "" : done || next[Math.min(begun, next.length - 1)];
+/* What is to be done for the next point, or what came out. */
+function nextOf() {
+  const last = measured.made[measured.made.length - 1], { next } = MEASURES[measured.on];
+  const own = last && last.kind === measured.on;
+  return own && isWhole(last) ? measurements().pop() : next[Math.min(own ? last.points.length : 0, next.length - 1)];
+}
+
+/* Above the pictures, in a line of its own; `otherwise`: what the brush has to say. */
+function sayTool(otherwise) {
+  at("brushed").title = at("brushed").textContent = measured.on ? nextOf() : otherwise;
+}
+
+function nextMeasure() {
+  const kinds = ["", ...Object.keys(MEASURES)];
+  measure(kinds[(kinds.indexOf(measured.on) + 1) % kinds.length]);
 }
 
 /* `kind`: what is measured from now on; "": nothing. */

@@ -39,7 +39,8 @@ function drawFigures(view) {
 function drawMeasured() {
   listMeasurements();
   for (const view of Object.keys(made)) drawFigures(view);
-  sayNext();
+  drawMarks(); /* which says what to do next */
+  showReport();
 }
 
 /* The same in a picture that is saved, `size` pixels wide. */

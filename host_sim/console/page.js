@@ -279,7 +279,7 @@ function onKey(event) {
   if (event.ctrlKey || event.metaKey) return;
   const next = { off: "side", side: "wipe", wipe: "off" };
   const keys = {
-    m: () => at("measure").click(), Delete: forgetLast, r: () => quarterTurn(slicesToTurn()), i: () => flip(slicesToTurn()), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), b: toggleBox, l: () => at("lamp").click(), f: () => play(!state.play.on),
+    m: nextMeasure, Delete: forgetLast, r: () => quarterTurn(slicesToTurn()), i: () => flip(slicesToTurn()), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), b: toggleBox, l: () => at("lamp").click(), f: () => play(!state.play.on),
     "[": () => nudgePrimary(-1), "]": () => nudgePrimary(1), ",": () => stepBy(-1), ".": () => stepBy(1),
     c: () => compare(next[look.compare]), v: () => setLayout(LAYOUTS[(LAYOUTS.indexOf(look.layout) + 1) % LAYOUTS.length]),
   };

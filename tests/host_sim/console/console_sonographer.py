@@ -74,7 +74,7 @@ def distances(b):
     for x, y in ((-30, -40), (60, 30)):
         b.drag(across, (x, y), (x, y))
     expected = math.hypot(90, 70) * mm / wide
-    said = b.run("return [canvases.across.labels.textContent, at('distance').textContent, state.cross]")
+    said = b.run("return [canvases.across.labels.textContent, at('brushed').textContent, state.cross]")
     holds(abs(float(said[0].split()[0]) - expected) < 0.06 and said[0].endswith(" mm"), f"{expected} mm are {said}")
     holds(said[1].split(" ± ")[0] == "A plane (across): " + said[0] and said[2] == cross, f"it is said as {said}")
     b.run("zoom(2)", then="zoomed")
@@ -96,8 +96,12 @@ def distances(b):
     said = b.run("return canvases.deep.labels.textContent")
     holds(abs(float(said.split()[0]) - 0.1 * mm) < 0.06, f"five steps by keys are {said}, not {0.1 * mm}")
     b.run("document.activeElement.blur()")
-    b.keys("body", "m")
-    holds(b.run("return [at('distance').textContent, at('measure').getAttribute('aria-pressed')]") == ["", "false"], "it still measures")
+    kinds = []
+    for _ in range(5):
+        kinds.append(b.run("return measured.on"))
+        b.keys("body", "m")
+    holds(kinds == ["distance", "angle", "ellipse", "trace", "text"], f"m leads from one to the next: {kinds}")
+    holds(b.run("return [measured.on, at('measure').getAttribute('aria-pressed')]") == ["", "false"], "it still measures")
     b.drag(across, (0, 0), (20, 20), then="the crosshair")
     holds(b.run("return state.cross[0]") > 0.5, "the crosshair does not move any more")
 
@@ -178,6 +182,7 @@ def words_on_a_picture(b):
     for css in (RESULT, ".screen[data-view=deep]"):
         b.drag(css, (-20, 10), (10, 10))
     said = "return ['result', 'deep'].map((view) => canvases[view].labels.textContent)"
+    holds("Result: left hand" in b.run("return at('report').value"), "a report tells words with the next frame only")
     holds(b.run(said)[0] == "left hand" and b.run(said)[1].endswith("left hand") and b.run("return state.camera") == camera, f"written: {b.run(said)}")
     b.run("turn(5, 0)", then="turned")
     holds(b.run(said) == ["", ""], f"written on what has turned away: {b.run(said)}")
