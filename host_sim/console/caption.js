@@ -15,7 +15,7 @@ function wordsOf(view, asked, moves) {
   const param = lanes[0].params.find((p) => p.primary), shown = lastFigures;
   return [
     nameOfSource(shown.of.source) + (shown.source.volumes > 1 && moves !== ALL_VOLUMES ? ", volume " + (shown.index + 1) : "") + "; " + new Date().toLocaleString("sv"),
-    (view ? TITLES[view] + (view in AXES && asked.thick ? " of " + asked.thick + unitOf(shown.source.mm) : "") + ", " : "") + (moves || "") + cameraWords(asked.camera) + (param ? "; " + param.label + " " + short(asked.lanes[0].values[param.key] ?? param.default) : ""),
+    (view ? TITLES[view] + (view in AXES && asked.thick ? " of " + asked.thick + unitOf(shown.source.mm) : "") + (look.turned[view] & MIRRORED ? ", mirrored" : "") + ", " : "") + (moves || "") + cameraWords(asked.camera) + (param ? "; " + param.label + " " + short(asked.lanes[0].values[param.key] ?? param.default) : ""),
     ...(moves ? [] : shown.lanes.map((lane) => lane.words)),
     ...(shown.source.doubt ? [shown.source.doubt] : []),
     ...measurements(),

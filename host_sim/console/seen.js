@@ -109,6 +109,6 @@ function placeDirections({ probe, patient }) {
     mark.hidden = !probe;
     const mirrored = look.turned[view] & MIRRORED, into = INTO[view].reduce((sum, x, k) => sum + x * (probe ? probe[k] : 0), 0);
     if (probe) placeProbe(mark, ...seenWay(view, [probe[right], probe[down]]), mirrored ? -into : into);
-    caption.textContent = TITLES[view] + (patient ? ", " + planeOf(view, patient) : "") + (mirrored ? ", mirrored" : "") + (state.thick ? ", " + state.thick + unitOf(lastFigures.source.mm) + " thick" : "");
+    caption.title = caption.textContent = TITLES[view] + (patient ? ", " + planeOf(view, patient) : "") + (mirrored ? ", mirrored" : "") + (state.thick ? ", " + state.thick + unitOf(lastFigures.source.mm) + " thick" : "");
   }
 }

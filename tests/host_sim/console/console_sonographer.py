@@ -222,6 +222,7 @@ def slices_turn_and_mirror(b):
     saved = b.run("""const { canvas } = canvases.across, row = (c) => { const g = new OffscreenCanvas(512, 512).getContext('2d'); g.drawImage(c, 0, 0); return [...g.getImageData(0, 300, 512, 1).data].filter((_, i) => i % 4 === 0); };
         return new Promise((done) => canvas.toBlob(done)).then((blob) => captioned(blob, [], 'across')).then(createImageBitmap).then((image) => [row(canvas), row(image)])""")
     far = sum(abs(a - b) > 8 for a, b in zip(saved[0][::-1], saved[1], strict=True))
+    holds("A plane (across), mirrored, " in b.run("return wordsOf('across', state).join()"), "a caption does not say that its slice is mirrored")
     holds(far < 60 and saved[0] != saved[0][::-1], f"a saved slice is not mirrored: {far} pixels differ")
     for _ in range(2):
         b.run("document.activeElement.blur()")
