@@ -52,7 +52,8 @@ enum { DARK = 12 }; /* levels of noise */
 
 void hs_course_find_noise(hs_volume *v) {
     const uint32_t n[3] = {v->nx, v->ny, v->nz}, edge[3] = {n[0] / 8, n[1] / 8, n[2] / 8};
-    uint32_t found = 0;
+    uint32_t found = 0, alike = 0;
+    const uint8_t level = v->voxels[0];
     for (uint32_t corner = 0; corner < HS_CORNERS; corner++) {
         uint8_t least = 255, most = 0;
         for (uint32_t z = 0; z < edge[2]; z++)
@@ -66,8 +67,10 @@ void hs_course_find_noise(hs_volume *v) {
                 }
             }
         found += least < most && most <= DARK;
+        alike += least == level && most == level;
     }
     v->course.noisy = found >= HS_CORNERS_ENOUGH;
+    v->course.blank = alike == HS_CORNERS && level != 0 && !v->zeros_guessed;
 }
 
 static bool doubts_size(const hs_volume *v, char *out, size_t bytes) {
@@ -115,10 +118,11 @@ void hs_course_question(const hs_volume *v, char *out, size_t bytes) {
         (void)snprintf(out, bytes,
                        "Its corners hold dark noise: if nothing was scanned there, say so by --window "
                        "LOW,HIGH with LOW above it.");
-    if (c->asked_count == 0) {
-        if (!c->noisy) (void)doubts_shape(v, out, bytes);
-        return;
-    }
+    if (c->asked_count == 0 && !c->noisy && !doubts_shape(v, out, bytes) && c->blank)
+        (void)snprintf(out, bytes,
+                       "Its corners hold one grey level, and count as scanned: if nothing was scanned there, "
+                       "--padding auto says so.");
+    if (c->asked_count == 0) return;
     const char *first = hs_probe_name(c->asked[0]);
     if (c->asked_count == 1)
         (void)snprintf(out, bytes, "The scan narrows towards %s: is the probe there? --probe %s", first,

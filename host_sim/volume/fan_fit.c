@@ -95,7 +95,7 @@ static bool choose_face(const hs_volume *v, const border *b, double *room, hs_co
 void hs_volume_find_beams(hs_volume *v) {
     hs_course *c = &v->course;
     hs_probe face[2] = {v->probe, v->probe};
-    fan best;
+    fan best = {0};
     border b = {0};
     const bool stated = hs_probe_is_known(v);
     *c = (hs_course){.kind = stated ? HS_BEAMS_PARALLEL : HS_BEAMS_UNKNOWN};

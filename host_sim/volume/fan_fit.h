@@ -24,7 +24,7 @@ void hs_volume_find_beams(hs_volume *volume);
 void hs_volume_fill_fan(hs_volume *volume);
 
 /* Looks whether the volume's corners are dark noise (course.noisy), as where a file has no one value outside
- * the scan. */
+ * the scan, or hold one level (course.blank) though all was said to be scanned. */
 void hs_course_find_noise(hs_volume *volume);
 
 /* All lines meet in the apex that the file says, and begin at the probe's face, which is stated. */

@@ -53,6 +53,7 @@ typedef struct {
         fits[3]; /* mm: with this spacing a fan fits, and with the volume's own none; of zeros: none found */
     bool fits_none; /* the probe's face was stated and the scan narrows to it, but is no fan from there */
     bool noisy;     /* corners are dark, and not alike: perhaps nothing was scanned there */
+    bool blank;     /* corners have one level that was said to be scanned: likewise */
 } hs_course;
 
 /* Directions along the world's axes, origin 0, nothing stated. */

@@ -10,10 +10,12 @@ _PAIRS = (  # on a command line; in Python
     ("--window LOW,HIGH with LOW above it", "window=(low, high) with low above it"),
 )
 _NUMBERS = (  # a pattern, and how it is written on the other side
+    (r"--padding auto", "scanned='auto'"),
     (rf"--spacing {_THREE}", r"spacing=(\1, \2, \3)"),
     (r"--probe ([-+][xyz])", r"probe='\1'"),
 )
 _BACK = (
+    (r"scanned='auto'", "--scanned auto"),  # as `smartvis clip` has it
     (rf"spacing=\({_THREE.replace(',', ', ')}\)", r"--spacing \1,\2,\3"),
     (r"probe='([-+][xyz])'", r"--probe \1"),
 )

@@ -251,6 +251,28 @@ static void a_stated_face_without_a_fan_is_doubted(void **state) {
     hs_volume_free(&copy);
 }
 
+/* One level in all corners that somebody said was scanned: it may be what lies outside of a fan. Where it was
+ * looked for, or a corner has an echo, nothing is asked. */
+static void corners_of_one_level_are_asked_about(void **state) {
+    hs_volume v;
+    char question[160];
+    must(hs_volume_init(&v, 80, 70, 60, &err));
+    for (size_t n = 0; n < hs_volume_count(&v); n++)
+        v.voxels[n] = is_inside(2, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
+                                (double)(n / 5600) / 60 - 0.5)
+                          ? (uint8_t)(80 + n % 41)
+                          : 12;
+    for (int kind = 0; kind < 3; kind++) {
+        v.zeros_guessed = kind == 1;
+        if (kind == 2) v.voxels[5] = 13;
+        hs_volume_find_beams(&v);
+        hs_course_question(&v, question, sizeof question);
+        const bool asked = strstr(question, "hold one grey level") && strstr(question, "--padding auto");
+        if (asked != (kind == 0) || (kind > 0 && question[0])) fail_msg("kind %d: '%s'", kind, question);
+    }
+    hs_volume_free(&v);
+}
+
 static size_t zeros_of(const hs_volume *v) {
     size_t count = 0;
     for (size_t i = 0; i < hs_volume_count(v); i++) count += v->voxels[i] == 0;
@@ -322,4 +344,5 @@ static void real_scans(void **state) {
 
 UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts,
           an_apex_that_is_said_counts_where_nothing_is_found, others_are_none, oblique_box_is_parallel,
-          wrong_spacing_is_told, a_stated_face_without_a_fan_is_doubted, black_fluid_was_scanned, real_scans)
+          wrong_spacing_is_told, a_stated_face_without_a_fan_is_doubted, corners_of_one_level_are_asked_about,
+          black_fluid_was_scanned, real_scans)
