@@ -165,31 +165,45 @@ static inline void sva_program_compile(cl_context context, cl_device_id device, 
 #if SVA_RUNTIME_POSIX
 enum { SVA_PROGRAM_MARK = SVA_CACHE_PATH + 40 };
 
-/* Internal: true if the device is one of PoCL 3, whose kernels' results do not depend on optimisation. */
-static inline int sva_program_is_pocl3(cl_device_id device) {
-    char version[200];
+/* Internal: goes on with the sum of what a device says of itself. */
+static inline cl_int sva_program_device_sum(cl_device_id device, uint64_t *sum) {
+    static const cl_device_info asked[] = {CL_DEVICE_NAME, CL_DEVICE_VERSION, CL_DRIVER_VERSION};
+    cl_int code = CL_SUCCESS;
+    for (int i = 0; i < 3 && code == CL_SUCCESS; i++) {
+        char text[SVA_PROGRAM_FACT];
+        memset(text, 0, sizeof text);
+        code = clGetDeviceInfo(device, asked[i], sizeof text - 1, text, NULL);
+        *sum = sva_kept_sum(*sum, text, strlen(text) + 1);
+    }
+    return code;
+}
+
+/* Internal: true if the device is one of PoCL 3, whose kernels' results do not depend on optimisation.
+ * out->code is not CL_SUCCESS where it does not say. */
+static inline int sva_program_is_pocl3(cl_device_id device, sva_built *out) {
+    char version[1000];
     cl_platform_id platform = NULL;
     memset(version, 0, sizeof version);
-    return clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, (void *)&platform, NULL) ==
-               CL_SUCCESS &&
-           clGetPlatformInfo(platform, CL_PLATFORM_VERSION, sizeof version - 1, version, NULL) ==
-               CL_SUCCESS &&
-           strstr(version, " PoCL 3.") != NULL;
+    out->call = "clGetDeviceInfo(CL_DEVICE_PLATFORM)";
+    out->code = clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, (void *)&platform, NULL);
+    if (out->code != CL_SUCCESS) return 0;
+    out->call = "clGetPlatformInfo(CL_PLATFORM_VERSION)";
+    out->code = clGetPlatformInfo(platform, CL_PLATFORM_VERSION, sizeof version - 1, version, NULL);
+    return out->code == CL_SUCCESS && strstr(version, " PoCL 3.") != NULL;
 }
 
 /* Internal: the file in PoCL's cache that says: this program was compiled with optimisation. It lies there
- * because it goes with it. False where there is none. */
-static inline int sva_program_mark(cl_device_id device, const sva_source *s, char *out, size_t bytes) {
+ * because it goes with it. False where there is none; see out->code. */
+static inline int sva_program_mark(cl_device_id device, const sva_source *s, char *mark, size_t bytes,
+                                   sva_built *out) {
     char cache[SVA_CACHE_PATH];
-    size_t key_bytes = 0;
-    char *key = sva_program_is_pocl3(device) && sva_cache_folder(cache, sizeof cache)
-                    ? sva_program_key(device, s, &key_bytes)
-                    : NULL;
-    if (!key) return 0;
-    (void)snprintf(out, bytes, "%s/smartvis/%016llx", cache,
-                   (unsigned long long)sva_kept_sum(SVA_KEPT_SUM, key, key_bytes));
-    free(key);
-    return 1;
+    uint64_t sum = sva_kept_sum(SVA_KEPT_SUM, s->options, strlen(s->options) + 1);
+    if (!sva_program_is_pocl3(device, out) || !sva_cache_folder(cache, sizeof cache)) return 0;
+    out->call = "clGetDeviceInfo";
+    out->code = sva_program_device_sum(device, &sum);
+    for (cl_uint i = 0; i < s->count; i++) sum = sva_kept_sum(sum, s->texts[i], s->bytes[i]);
+    (void)snprintf(mark, bytes, "%s/smartvis/%016llx", cache, (unsigned long long)sum);
+    return out->code == CL_SUCCESS;
 }
 
 /* Internal: makes it, where that can be done: without it the next quick process compiles once more. */
@@ -205,23 +219,19 @@ static inline void sva_program_set_mark(char *mark) {
 /* Internal: compiles as the user is in a hurry or not. */
 static inline void sva_program_compile_as_asked(cl_context context, cl_device_id device, const sva_source *s,
                                                 sva_built *out) {
-    static const char without[] = " -cl-opt-disable -DSVA_QUICK";
-    char mark[SVA_PROGRAM_MARK];
+    char mark[SVA_PROGRAM_MARK], options[1024];
+    sva_source source = *s;
     const char *quick = getenv("SMARTVIS_QUICK_KERNELS");
-    const int marks = sva_program_mark(device, s, mark, sizeof mark);
-    const size_t used = strlen(s->options), most = used + sizeof without;
-    char *options = marks && quick && quick[0] && access(mark, F_OK) != 0 ? (char *)malloc(most) : NULL;
-    if (options) {
-        (void)snprintf(options, most, "%s%s", s->options, without);
-        sva_source source = *s;
-        source.options = options;
-        sva_program_compile(context, device, &source, out);
-        out->quick = 1;
-        free(options);
-        return;
+    const int marks = sva_program_mark(device, s, mark, sizeof mark, out);
+    if (out->code != CL_SUCCESS) return;
+    if (marks && quick && quick[0] && access(mark, F_OK) != 0) {
+        const int length =
+            snprintf(options, sizeof options, "%s -cl-opt-disable -DSVA_QUICK", source.options);
+        out->quick = length > 0 && (size_t)length < sizeof options;
+        if (out->quick) source.options = options;
     }
-    sva_program_compile(context, device, s, out);
-    if (marks && out->code == CL_SUCCESS) sva_program_set_mark(mark);
+    sva_program_compile(context, device, &source, out);
+    if (marks && !out->quick && out->code == CL_SUCCESS) sva_program_set_mark(mark);
 }
 #endif
 
