@@ -21,8 +21,8 @@ typedef struct rec rec;
  * that the host forks adds nothing to it.
  *
  * `options`: NULL, or words between blanks or commas. With frames=N at least the last N frames are kept, and
- * fewer than 2 N while it runs; else all. With voxels=no neither voxels nor maps are kept, only shapes,
- * values, statuses and statistics.
+ * fewer than 2 N while it runs; and the frame that brought the volume of the first of them. Else all. With
+ * voxels=no neither voxels nor maps are kept, only shapes, values, statuses and statistics.
  *
  * Returns NULL, with a sentence in `error`, if the file cannot be written or a word is unknown.
  */

@@ -3,6 +3,7 @@
 
 #include "core/system.h"
 #include "record/rec_item.h"
+#include "record/rec_ring.h"
 #include "smartvis/author_checks.h"
 
 #include <CL/cl.h>
@@ -13,24 +14,15 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Where a frame begins in the file, and the activation that it belongs to. */
-typedef struct {
-    uint64_t at, activation, activated;
-} frame_place;
-
 struct rec {
     pthread_mutex_t lock;
     char path[SYS_PATH], part[SYS_PATH + 8];
     pid_t owner; /* a process that the host forks has the file, too, and leaves it alone */
     int file;
     char why[400];
-    uint32_t keep; /* frames; 0: all */
     bool voxels;
-    uint64_t end;                   /* bytes of the file */
-    uint64_t head;                  /* of what every recording begins with: the header, create, the plugin */
-    uint64_t activation, activated; /* the last activate, from its call to behind its return */
-    frame_place *frames;            /* up to 2 * keep */
-    uint32_t frame_count;
+    uint64_t end; /* bytes of the file */
+    rec_ring ring;
     sv_format format; /* that is active; width 0: none. Its values are gone */
     rec_item item;
     rec_cursor chunk;
@@ -48,23 +40,9 @@ static void stop(rec *r, const char *what) {
 }
 
 /* ---- the file */
-#define ONE_WRITE (UINT32_C(1) << 30) /* what every system takes at once */
-
-static bool write_all(int file, const void *data, size_t bytes) {
-    const char *from = data;
-    while (bytes > 0) {
-        const ssize_t n = write(file, from, bytes < ONE_WRITE ? (uint32_t)bytes : ONE_WRITE);
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) return false;
-        from += n;
-        bytes -= (size_t)n;
-    }
-    return true;
-}
-
 static void put(rec *r, const void *data, size_t bytes) {
     if (r->why[0]) return;
-    if (!write_all(r->file, data, bytes)) {
+    if (!rec_write_all(r->file, data, bytes)) {
         stop(r, strerror(errno));
         if (ftruncate(r->file, (off_t)r->end) != 0) return; /* a half chunk is found by whoever reads it */
     } else {
@@ -85,28 +63,11 @@ static void put_item(rec *r) {
 }
 
 /* ---- the ring */
-static bool copy_part(int from, int to, uint64_t at, uint64_t end) {
-    char block[1 << 16];
-    if (lseek(from, (off_t)at, SEEK_SET) < 0) return false;
-    while (at < end) {
-        const uint32_t wanted = end - at < sizeof block ? (uint32_t)(end - at) : (uint32_t)sizeof block;
-        const ssize_t n = read(from, block, wanted);
-        if (n <= 0 || !write_all(to, block, (size_t)n)) return false;
-        at += (uint64_t)n;
-    }
-    return true;
-}
-
-/* Leaves the last `keep` frames in the file, with the activation of the first of them. */
+/* Leaves the last frames in the file, with what the first of them needs. */
 static void drop_frames(rec *r) {
-    const uint32_t gone = r->frame_count - r->keep;
-    const frame_place first = r->frames[gone];
-    const uint64_t kept = first.activated - first.activation, shift = first.at - r->head - kept;
     /* A system may rename no file that is open, nor over one. */
     const int to = sys_open(r->part, SYS_NEW);
-    bool ok = to >= 0 && copy_part(r->file, to, 0, r->head) &&
-              copy_part(r->file, to, first.activation, first.activated) &&
-              copy_part(r->file, to, first.at, r->end);
+    bool ok = to >= 0 && rec_ring_copy(&r->ring, r->file, to, r->end);
     ok = (to < 0 || close(to) == 0) && ok;
     if (ok && close(r->file) == 0) {
         ok = sys_replace(r->part, r->path);
@@ -119,25 +80,12 @@ static void drop_frames(rec *r) {
         if (!ok) (void)sys_remove(r->part);
         return;
     }
-    r->end -= shift;
-    frame_place last = {.activation = r->activation, .activated = r->activated};
-    for (uint32_t i = 0; i <= r->keep; i++) {
-        frame_place *p = i < r->keep ? &r->frames[i] : &last;
-        if (i < r->keep) *p = r->frames[gone + i];
-        p->at -= shift;
-        const bool before = p->activation < first.at;
-        p->activated = before ? r->head + (p->activated - p->activation) : p->activated - shift;
-        p->activation = before ? r->head : p->activation - shift;
-    }
-    r->activation = last.activation;
-    r->activated = last.activated;
-    r->frame_count = r->keep;
+    r->end = rec_ring_forget(&r->ring, r->end);
 }
 
-static void note_frame(rec *r) {
-    if (r->keep == 0) return;
-    if (r->frame_count == 2 * r->keep) drop_frames(r);
-    if (!r->why[0]) r->frames[r->frame_count++] = (frame_place){r->end, r->activation, r->activated};
+static void note_frame(rec *r, bool same) {
+    if (rec_ring_is_full(&r->ring)) drop_frames(r);
+    if (!r->why[0]) rec_ring_frame(&r->ring, r->end, same);
 }
 
 /* ---- what a call is given */
@@ -250,8 +198,8 @@ void rec_before(rec *r, const rc_call *call) {
     it->sound = call->kind <= RC_DESTROY || (call->kind == RC_ACTIVATE && call->sound) ||
                 (call->kind == RC_DEACTIVATE && active) || (call->sound && active);
     it->data = NULL;
-    if (call->kind == RC_BEGIN) note_frame(r);
-    if (call->kind == RC_ACTIVATE) r->activation = r->activated = r->end;
+    if (call->kind == RC_BEGIN) note_frame(r, it->sound && (call->frame->flags & SV_FRAME_SAME_VOLUME) != 0);
+    if (call->kind == RC_ACTIVATE) rec_ring_activation(&r->ring, r->end);
     if (it->sound && call->kind == RC_ACTIVATE) take_format(r, call->format);
     if (it->sound && call->kind == RC_BEGIN) take_frame(r, call->frame);
     if (it->sound && call->kind == RC_SLAB) take_slab(r, call->slab);
@@ -310,7 +258,7 @@ static void put_plugin(rec *r, const sv_plugin *p) {
         (void)snprintf(param->key, sizeof param->key, "%s", info.key);
     }
     put_item(r);
-    r->head = r->end;
+    r->ring.head = r->end;
 }
 
 void rec_after(rec *r, const rc_call *call) {
@@ -336,7 +284,7 @@ void rec_after(rec *r, const rc_call *call) {
     if (ends && call->sound && call->status >= SV_OK && r->format.width > 0) take_outcome(r, call);
     if (!r->why[0]) put_item(r);
     if (call->kind == RC_CREATE && call->plugin && !r->why[0]) put_plugin(r, call->plugin);
-    if (call->kind == RC_ACTIVATE) r->activated = r->end;
+    if (call->kind == RC_ACTIVATE) rec_ring_activated(&r->ring, r->end);
     (void)pthread_mutex_unlock(&r->lock);
 }
 
@@ -361,7 +309,8 @@ static bool read_options(rec *r, const char *options, char *error, size_t bytes)
         (void)snprintf(word, sizeof word, "%.*s", length < 63 ? length : 63, at);
         if (strcmp(word, "voxels=yes") == 0 || strcmp(word, "voxels=no") == 0)
             r->voxels = word[7] == 'y';
-        else if (sscanf(word, "frames=%u%c", &r->keep, &rest) != 1 || r->keep < 1 || r->keep > 1000000) {
+        else if (sscanf(word, "frames=%u%c", &r->ring.keep, &rest) != 1 || r->ring.keep < 1 ||
+                 r->ring.keep > 1000000) {
             (void)snprintf(error, bytes,
                            "recording: '%s' is none of frames=N (1 .. 1000000), voxels=yes, voxels=no", word);
             return false;
@@ -399,7 +348,8 @@ rec *rec_open(const char *path, const char *options, char *error, size_t bytes) 
     (void)snprintf(r->path, sizeof r->path, "%s", path);
     (void)snprintf(r->part, sizeof r->part, "%s.part", r->path);
     bool ok = read_options(r, options, error, bytes);
-    if (ok && r->keep) ok = (r->frames = calloc(2 * (size_t)r->keep, sizeof *r->frames)) != NULL;
+    if (ok && r->ring.keep)
+        ok = (r->ring.frames = calloc(2 * (size_t)r->ring.keep, sizeof *r->ring.frames)) != NULL;
     if (ok) {
         keep_unfinished(path);
         r->file = sys_open(path, SYS_NEW);
@@ -419,14 +369,14 @@ const char *rec_why(const rec *r) {
 void rec_close(rec *r) {
     if (!r) return;
     if (is_fork(r)) stop(r, "it is another process's");
-    if (r->file >= 0 && !r->why[0] && r->keep && r->frame_count > r->keep) drop_frames(r);
+    if (r->file >= 0 && !r->why[0] && r->ring.keep && r->ring.count > r->ring.keep) drop_frames(r);
     if (r->file >= 0 && !r->why[0]) {
         r->item.type = REC_END;
         put_item(r);
     }
     if (r->file >= 0) (void)close(r->file);
     (void)pthread_mutex_destroy(&r->lock);
-    free(r->frames);
+    free(r->ring.frames);
     free(r->texture);
     free(r->chunk.bytes);
     free(r);

@@ -19,7 +19,7 @@ typedef struct {
     rig *r;
     uint8_t *volume;
     bool varies;
-    uint32_t last; /* index of the last frame */
+    uint32_t first, last; /* indices of the frames */
     sv_scanned ranges[RAYS];
     float depth[RAYS]; /* of the last frame */
     uint8_t status[RAYS];
@@ -53,10 +53,12 @@ static void close_scene(scene *s) {
     s->recording = NULL;
 }
 
+enum { SHOWN = 4 }; /* frames in a row that are told to show the same volume */
+
 /* `frames` frames of the volume, handed over this way; in host memory the first voxel tells which. */
 static void record_frames(scene *s, rig_format how, uint32_t frames) {
     const sv_plugin *p = s->r->plugin;
-    s->last = frames - 1;
+    s->last = s->first + frames - 1;
     how.width = WIDTH;
     how.height = HEIGHT;
     how.slices = SLICES;
@@ -68,7 +70,7 @@ static void record_frames(scene *s, rig_format how, uint32_t frames) {
     stage *t = rig_stage(s->r, &how, s->volume);
     s->varies = t->format.carrier == SV_CARRIER_HOST;
     CALL(s, RC_ACTIVATE, p->activate(p, &t->format), .format = &t->format);
-    for (uint32_t n = 0; n < frames; n++) {
+    for (uint32_t n = s->first; n <= s->last; n++) {
         if (s->varies) t->memory[0][0] = (uint8_t)(100 + n);
         sv_frame frame = stage_frame(t, &k, 1);
         frame.index = n;
@@ -77,7 +79,7 @@ static void record_frames(scene *s, rig_format how, uint32_t frames) {
         frame.beams = SV_BEAMS_FAN;
         frame.beam_apex_mm[2] = -57.0f;
         frame.beam_sweep_mm = 23.0f;
-        if (n > 0) frame.flags = SV_FRAME_SAME_VOLUME;
+        if (n % SHOWN) frame.flags = SV_FRAME_SAME_VOLUME;
         CALL(s, RC_BEGIN, p->begin(p, &frame), .frame = &frame);
         rec_log(s->recording, SV_LOG_INFO, "a line");
         for (uint32_t i = 0; i < t->slab_count; i++) {
@@ -114,7 +116,7 @@ static census read_all(const char *path, const scene *s) {
             if (c.frames++ == 0) c.first_index = c.index;
             assert_int_equal(item.value_count, 1);
             assert_true(item.values[0].value == 11 && item.frame.probe_side[2] == -1.0f);
-            assert_int_equal(item.frame.flags, item.frame.index > 0 ? SV_FRAME_SAME_VOLUME : 0);
+            assert_int_equal(item.frame.flags, item.frame.index % SHOWN ? SV_FRAME_SAME_VOLUME : 0);
             assert_int_equal(item.frame.beams, SV_BEAMS_FAN);
             assert_true(item.frame.beam_apex_mm[2] == -57.0f);
             assert_true(item.frame.beam_sweep_mm == 23.0f);
@@ -171,10 +173,11 @@ static void carriers_come_back(void **state) {
     }
 }
 
-/* At least the last N while it runs, exactly these at the end; the activation stays before them. */
+/* At least the last N while it runs, exactly these at the end. Before them stay the activation and the frame
+ * that brought the volume of the first of them. */
 static void a_ring_keeps_the_last(void **state) {
     rig *r = *state;
-    static const uint32_t frames[] = {1, 3, 4, 6, 11};
+    static const uint32_t frames[] = {1, 3, 4, 6, 11, 14};
     for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
         scene s;
         open_scene(&s, r, "frames=3");
@@ -182,14 +185,31 @@ static void a_ring_keeps_the_last(void **state) {
         const census running = read_all(s.path, &s);
         assert_true(running.whole);
         const uint32_t expected = frames[i] < 3 ? frames[i] : 3;
-        assert_true(running.frames >= expected && running.frames < 7);
+        const uint32_t first = frames[i] - expected, brought = first / SHOWN * SHOWN;
+        assert_true(running.frames >= expected && running.frames < 8);
         close_scene(&s);
         const census c = read_whole(&s);
-        assert_int_equal(c.frames, expected);
-        assert_int_equal(c.first_index, frames[i] - expected);
+        assert_int_equal(c.frames, expected + (brought < first));
+        assert_int_equal(c.first_index, brought);
+        assert_int_equal(c.index, frames[i] - 1);
         assert_int_equal(c.kinds[RC_ACTIVATE], 1);
         assert_int_equal(c.plugins, 1);
     }
+}
+
+/* An activation knows no volume of an earlier one, whatever its first frame is told. */
+static void a_ring_keeps_no_volume_of_another_activation(void **state) {
+    rig *r = *state;
+    scene s;
+    open_scene(&s, r, "frames=3");
+    record_frames(&s, (rig_format){0}, 2);
+    s.first = 1;
+    record_frames(&s, (rig_format){0}, 3);
+    close_scene(&s);
+    const census c = read_whole(&s);
+    assert_int_equal(c.frames, 3);
+    assert_int_equal(c.first_index, 1);
+    assert_int_equal(c.kinds[RC_ACTIVATE], 1);
 }
 
 static size_t read_file(const char *path, uint8_t **bytes) {
@@ -337,5 +357,6 @@ static void options_are_checked(void **state) {
 }
 
 UNIT_MAIN_OF(NULL, NULL, RIG_TEST(carriers_come_back), RIG_TEST(a_ring_keeps_the_last),
-             RIG_TEST(what_is_not_whole_is_told), RIG_TEST(a_fork_adds_nothing),
-             cmocka_unit_test(what_was_not_finished_is_kept), cmocka_unit_test(options_are_checked))
+             RIG_TEST(a_ring_keeps_no_volume_of_another_activation), RIG_TEST(what_is_not_whole_is_told),
+             RIG_TEST(a_fork_adds_nothing), cmocka_unit_test(what_was_not_finished_is_kept),
+             cmocka_unit_test(options_are_checked))
