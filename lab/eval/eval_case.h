@@ -55,13 +55,14 @@ typedef struct {
     float *truth;           /* g: termination depth in the ground truth per pixel, steps */
     float *full;            /* the same in the full volume, unclipped */
 
-    /* The rays of labels 1 and 2 only, those of the sac first. */
-    uint32_t count;       /* n of Eq. 4.6 */
-    uint32_t first_fetus; /* rays 0 .. first_fetus - 1 are label 1, the rest label 2 */
+    /* All rays: those of the sac, those of the fetus, those outside. */
+    uint32_t count;       /* n of Eq. 4.6: sac and fetus */
+    uint32_t first_fetus; /* rays 0 .. first_fetus - 1 are label 1, those up to count label 2 */
+    uint32_t all;         /* rays count .. all - 1 are label 0 */
     uint32_t occluded;    /* rays whose occluder is in the way: full volume's e > HS_EVAL_TOLERANCE */
-    uint32_t *pixel;      /* count: y * width + x */
-    uint8_t *is_occluded; /* count: 0 or 1 */
-    int16_t *error;       /* count rows of steps + 1: e = g - d (Eq. 4.5) of the ray that starts there */
+    uint32_t *pixel;      /* all: y * width + x */
+    uint8_t *is_occluded; /* all: 0 or 1; 0 outside */
+    int16_t *error;       /* all rows of steps + 1: e = g - d (Eq. 4.5) of the ray that starts there */
 } hs_eval_table;
 
 /* Builds the table for frame 0 of the loop, whose picture must be as large as its map, with step 1 and no
@@ -98,6 +99,7 @@ typedef enum {
     HS_MEASURE_NEG_FETUS,
     HS_MEASURE_FETUS_CUT,     /* share of the fetus' rays with e < -HS_EVAL_TOLERANCE, 0 .. 1 */
     HS_MEASURE_OCCLUDER_LEFT, /* share of the occluded rays with e > HS_EVAL_TOLERANCE, 0 .. 1 */
+    HS_MEASURE_ABS_OUTSIDE,   /* as Eq. 4.6, over label 0, which no other measure counts */
     HS_MEASURE_COUNT
 } hs_measure;
 
@@ -118,17 +120,19 @@ uint32_t hs_eval_map_crc(const hs_eval_table *table, const float *map);
 /* The direct way, from a picture of termination depths in steps: for tests and checks of the table. */
 void hs_eval_measure_picture(const hs_eval_table *table, const float *termination, hs_measures *out);
 
-/* What the rays counted so far come to, sac and fetus apart. Zeroed: none. */
+/* What the rays of one label counted so far come to. Zeroed: none. */
 typedef struct {
     uint32_t rays, positive, negative;   /* e > 0, e < 0 */
     uint64_t positive_sum, negative_sum; /* steps */
     uint32_t cut, occluded, left;        /* beyond the tolerance */
 } hs_eval_tally;
 
-/* The measures of rays that are counted one by one. A ray of label 0 counts nothing; `e` and `tolerance`
- * (beyond which it is cut or left) are steps. */
-void hs_eval_count(hs_eval_tally by_label[2], uint8_t label, int32_t e, bool occluded, uint32_t tolerance);
-void hs_eval_measures(const hs_eval_tally by_label[2], hs_measures *out);
+#define HS_EVAL_LABELS 3
+
+/* The measures of tallies, one of each HS_LABEL_*. `e` and `tolerance` (beyond which a ray is cut or left)
+ * are steps. */
+void hs_eval_count(hs_eval_tally *tally, int32_t e, bool occluded, uint32_t tolerance);
+void hs_eval_measures(const hs_eval_tally by_label[HS_EVAL_LABELS], hs_measures *out);
 
 /* Error e per pixel of such a picture, steps; NAN where the label is 0. */
 void hs_eval_error_picture(const hs_eval_table *table, const float *termination, float *out);

@@ -56,20 +56,24 @@ static void sample_labels(hs_eval_table *t, const hs_volume *full, const uint8_t
     }
 }
 
-/* Pixels of labels 1 and 2, in that order. */
+/* Adds the pixels of a label. */
+static void list_label(hs_eval_table *t, uint8_t label) {
+    for (uint32_t i = 0; i < t->width * t->height; i++)
+        if (t->label[i] == label) t->pixel[t->all++] = i;
+}
+
 static void list_rays(hs_eval_table *t) {
-    const uint32_t pixels = t->width * t->height;
-    for (int label = HS_LABEL_SAC; label <= HS_LABEL_FETUS; label++) {
-        if (label == HS_LABEL_FETUS) t->first_fetus = t->count;
-        for (uint32_t i = 0; i < pixels; i++)
-            if (t->label[i] == label) t->pixel[t->count++] = i;
-    }
+    list_label(t, HS_LABEL_SAC);
+    t->first_fetus = t->all;
+    list_label(t, HS_LABEL_FETUS);
+    t->count = t->all;
+    list_label(t, HS_LABEL_NEITHER);
 }
 
 /* Column `step` of the errors from a picture whose rays start there. */
 static void store_column(hs_eval_table *t, uint32_t step, const float *termination) {
     const size_t row = (size_t)t->steps + 1;
-    for (uint32_t r = 0; r < t->count; r++)
+    for (uint32_t r = 0; r < t->all; r++)
         t->error[r * row + step] = (int16_t)lrintf(t->truth[t->pixel[r]] - termination[t->pixel[r]]);
 }
 
@@ -108,10 +112,10 @@ static bool allocate_maps(hs_eval_table *t, hs_error *err) {
 
 static bool allocate_rows(hs_eval_table *t, hs_error *err) {
     const size_t row = (size_t)t->steps + 1;
-    t->is_occluded = calloc((size_t)t->count + 1, 1);
-    t->error = calloc((size_t)t->count + 1, row * sizeof *t->error);
+    t->is_occluded = calloc((size_t)t->all + 1, 1);
+    t->error = calloc((size_t)t->all + 1, row * sizeof *t->error);
     return (t->is_occluded && t->error) ||
-           hs_fail(err, HS_ERR_MEMORY, "evaluation: no memory for %u rays of %u steps", t->count, t->steps);
+           hs_fail(err, HS_ERR_MEMORY, "evaluation: no memory for %u rays of %u steps", t->all, t->steps);
 }
 
 static bool check_loop(const hs_loop *loop, uint32_t steps, hs_error *err) {
@@ -176,12 +180,12 @@ void hs_eval_table_free(hs_eval_table *table) {
 
 const char *hs_measure_key(hs_measure measure) {
     static const char *const keys[HS_MEASURE_COUNT] = {
-        "e_abs",       "e_pos",       "e_neg",       "e_abs_sac", "e_pos_sac",    "e_neg_sac",
-        "e_abs_fetus", "e_pos_fetus", "e_neg_fetus", "fetus_cut", "occluder_left"};
+        "e_abs",       "e_pos",       "e_neg",       "e_abs_sac", "e_pos_sac",     "e_neg_sac",
+        "e_abs_fetus", "e_pos_fetus", "e_neg_fetus", "fetus_cut", "occluder_left", "e_abs_outside"};
     return keys[measure];
 }
 
-static inline void count_error(hs_eval_tally *t, int32_t e, uint32_t occluded, uint32_t tolerance) {
+void hs_eval_count(hs_eval_tally *t, int32_t e, bool occluded, uint32_t tolerance) {
     const uint32_t too_early = e > 0 ? (uint32_t)e : 0u, too_late = e < 0 ? (uint32_t)-e : 0u;
     t->rays++;
     t->positive += too_early != 0;
@@ -193,17 +197,17 @@ static inline void count_error(hs_eval_tally *t, int32_t e, uint32_t occluded, u
     t->left += occluded & (too_early > tolerance);
 }
 
-void hs_eval_count(hs_eval_tally by_label[2], uint8_t label, int32_t e, bool occluded, uint32_t tolerance) {
-    if (label != HS_LABEL_NEITHER) count_error(&by_label[label == HS_LABEL_FETUS], e, occluded, tolerance);
-}
-
 static float mean(uint64_t sum, uint32_t rays, float none) {
     return rays ? (float)((double)sum / rays) : none;
 }
 
+static float mean_error(const hs_eval_tally *t) {
+    return mean(t->positive_sum + t->negative_sum, t->rays, NAN);
+}
+
 /* The three means of a tally. */
 static void put_means(float *out, const hs_eval_tally *t) {
-    out[0] = mean(t->positive_sum + t->negative_sum, t->rays, NAN);
+    out[0] = mean_error(t);
     out[1] = mean(t->positive_sum, t->positive, t->rays ? 0.0f : NAN);
     out[2] = mean(t->negative_sum, t->negative, t->rays ? 0.0f : NAN);
 }
@@ -219,22 +223,23 @@ static void add(hs_eval_tally *to, const hs_eval_tally *t) {
     to->left += t->left;
 }
 
-void hs_eval_measures(const hs_eval_tally by_label[2], hs_measures *out) {
-    const hs_eval_tally *const fetus = &by_label[1];
-    hs_eval_tally both = by_label[0];
+void hs_eval_measures(const hs_eval_tally by_label[HS_EVAL_LABELS], hs_measures *out) {
+    const hs_eval_tally *const fetus = &by_label[HS_LABEL_FETUS];
+    hs_eval_tally both = by_label[HS_LABEL_SAC];
     add(&both, fetus);
     put_means(&out->of[HS_MEASURE_ABS], &both);
-    put_means(&out->of[HS_MEASURE_ABS_SAC], &by_label[0]);
+    put_means(&out->of[HS_MEASURE_ABS_SAC], &by_label[HS_LABEL_SAC]);
     put_means(&out->of[HS_MEASURE_ABS_FETUS], fetus);
     out->of[HS_MEASURE_FETUS_CUT] = mean(fetus->cut, fetus->rays, NAN);
     out->of[HS_MEASURE_OCCLUDER_LEFT] = mean(both.left, both.occluded, NAN);
+    out->of[HS_MEASURE_ABS_OUTSIDE] = mean_error(&by_label[HS_LABEL_NEITHER]);
 }
 
 void hs_eval_measure_map(const hs_eval_table *t, const float *map, hs_measures *out) {
-    hs_eval_tally by_label[2] = {{0}};
-    for (uint32_t r = 0; r < t->count; r++)
-        count_error(&by_label[r >= t->first_fetus], error_at(t, r, map ? map[t->pixel[r]] : 0.0f),
-                    t->is_occluded[r], HS_EVAL_TOLERANCE);
+    hs_eval_tally by_label[HS_EVAL_LABELS] = {{0}};
+    for (uint32_t r = 0; r < t->all; r++)
+        hs_eval_count(&by_label[t->label[t->pixel[r]]], error_at(t, r, map ? map[t->pixel[r]] : 0.0f),
+                      t->is_occluded[r], HS_EVAL_TOLERANCE);
     hs_eval_measures(by_label, out);
 }
 
@@ -250,10 +255,10 @@ void hs_eval_error_picture(const hs_eval_table *table, const float *termination,
 }
 
 void hs_eval_measure_picture(const hs_eval_table *table, const float *termination, hs_measures *out) {
-    hs_eval_tally by_label[2] = {{0}};
+    hs_eval_tally by_label[HS_EVAL_LABELS] = {{0}};
     const uint32_t pixels = table->width * table->height;
     for (uint32_t i = 0; i < pixels; i++)
-        hs_eval_count(by_label, table->label[i], (int32_t)lrintf(table->truth[i] - termination[i]),
+        hs_eval_count(&by_label[table->label[i]], (int32_t)lrintf(table->truth[i] - termination[i]),
                       table->truth[i] - table->full[i] > HS_EVAL_TOLERANCE, HS_EVAL_TOLERANCE);
     hs_eval_measures(by_label, out);
 }

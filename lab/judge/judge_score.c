@@ -42,7 +42,7 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
                       const float *confidence, wall_calibration *calibration) {
     const float scale = 128.0f / (float)c->nz;
     const uint32_t tolerance = (uint32_t)((float)SITE_TOLERANCE / scale);
-    hs_eval_tally by_label[2] = {{0}};
+    hs_eval_tally by_label[HS_EVAL_LABELS] = {{0}};
     hs_measures m;
     uint64_t deep = 0, shallow = 0;
     double rays = 0.0, confident = 0.0;
@@ -50,7 +50,7 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
         if (c->label[i] == HS_LABEL_NEITHER) continue;
         const int32_t e = (int32_t)(c->truth[i] - wall_ray_end(c, original, i, depth[i]));
         const int bin = (int)(confidence[i] * (WALL_BINS - 1) + 0.5f);
-        hs_eval_count(by_label, c->label[i], e, true, tolerance);
+        hs_eval_count(&by_label[c->label[i]], e, true, tolerance);
         if (c->label[i] == HS_LABEL_FETUS && c->far) judge_interval(c, i, depth[i], &deep, &shallow);
         const bool wrong = (uint32_t)abs(e) > tolerance;
         rays += 1.0;
@@ -60,7 +60,7 @@ wall_score wall_judge(const wall_case *c, const uint8_t *original, const float *
         calibration->cut[bin] += wrong && e < 0;
     }
     hs_eval_measures(by_label, &m);
-    const double fetus = by_label[1].rays ? by_label[1].rays : 1.0;
+    const double fetus = by_label[HS_LABEL_FETUS].rays ? by_label[HS_LABEL_FETUS].rays : 1.0;
     return (wall_score){.error = (double)scale * known(m.of[HS_MEASURE_ABS]),
                         .cut = known(m.of[HS_MEASURE_FETUS_CUT]),
                         .left = known(m.of[HS_MEASURE_OCCLUDER_LEFT]),

@@ -208,7 +208,8 @@ static void number_row(hs_page *report, const char *name, const hs_measures *m) 
     char text[HS_MEASURE_COUNT][32];
     const char *cells[HS_MEASURE_COUNT + 1] = {name};
     for (int i = 0; i < HS_MEASURE_COUNT; i++) {
-        const double value = (double)m->of[i] * (i >= HS_MEASURE_FETUS_CUT ? 100 : 1);
+        const double value =
+            (double)m->of[i] * (i == HS_MEASURE_FETUS_CUT || i == HS_MEASURE_OCCLUDER_LEFT ? 100 : 1);
         (void)snprintf(text[i], sizeof text[i], isnan(value) ? "-" : "%.2f", value);
         cells[i + 1] = text[i];
     }
@@ -217,8 +218,8 @@ static void number_row(hs_page *report, const char *name, const hs_measures *m) 
 
 static void put_numbers(hs_page *report, const hs_eval_study *study, uint32_t index) {
     static const char *const head[HS_MEASURE_COUNT + 1] = {
-        "setting",   "e_abs",       "e_pos",       "e_neg",       "sac e_abs", "sac e_pos",
-        "sac e_neg", "fetus e_abs", "fetus e_pos", "fetus e_neg", "cut [%]",   "left [%]"};
+        "setting",     "e_abs",       "e_pos",       "e_neg",   "sac e_abs", "sac e_pos",    "sac e_neg",
+        "fetus e_abs", "fetus e_pos", "fetus e_neg", "cut [%]", "left [%]",  "outside e_abs"};
     const hs_eval_result *r = &study->result[index];
     hs_page_table_begin(report);
     hs_page_table_row(report, head, HS_MEASURE_COUNT + 1);

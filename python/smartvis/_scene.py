@@ -66,6 +66,7 @@ class Measures:
     e_neg_fetus: float | None
     fetus_cut: float | None  #: share of the fetus' rays that are cut by more than two steps
     occluder_left: float | None  #: share of the hidden rays on which more than two steps are left
+    e_abs_outside: float | None  #: mean absolute error of the rays beside the sac, which nothing else counts
 
 
 def scene(name: str = "D01", size: int = 128, seed: int = 0, frame: int = 0) -> Scene:

@@ -76,12 +76,14 @@ static void starts_follow_the_renderer(void **state) {
 #define near_to(found, expected) assert_near((double)(found), expected, 1e-5)
 
 /* Sac: rows 0 .. 3 unclipped (e = 26), the rest right (e = 0). Fetus: row 0 cut at depth 12, step 37 (e =
- * -7), row 1 at depth 10, step 31 (e = -1, within the tolerance), the rest right. */
+ * -7), row 1 at depth 10, step 31 (e = -1, within the tolerance), the rest right. Outside: as the sac, but
+ * row 4 like the fetus' row 0. */
 static void fill_map(float *map) {
     for (int i = 0; i < LOW * LOW; i++) {
         const int x = i % LOW, y = i / LOW;
         const bool fetus = x >= OUTSIDE_COLUMNS + SAC_COLUMNS;
-        map[i] = fetus ? (y == 0 ? 12.0f : y == 1 ? 10.0f : 6.0f) : (y < 4 ? 0.0f : 6.0f);
+        const bool cut = x < OUTSIDE_COLUMNS && y == 4;
+        map[i] = cut ? 12.0f : fetus ? (y == 0 ? 12.0f : y == 1 ? 10.0f : 6.0f) : (y < 4 ? 0.0f : 6.0f);
     }
 }
 
@@ -99,6 +101,7 @@ static void check_measures(const hs_measures *m) {
     near_to(m->of[HS_MEASURE_NEG_FETUS], 4);
     near_to(m->of[HS_MEASURE_FETUS_CUT], cut / fetus);
     near_to(m->of[HS_MEASURE_OCCLUDER_LEFT], left / (sac + fetus));
+    near_to(m->of[HS_MEASURE_ABS_OUTSIDE], (4 * 26 + 7) / (double)LOW);
 }
 
 static void measures_are_those_by_hand(void **state) {
@@ -110,7 +113,7 @@ static void measures_are_those_by_hand(void **state) {
     check_measures(&m);
     /* A picture of termination depths gives the same measures. */
     memcpy(termination, r.table.truth, sizeof termination);
-    for (uint32_t ray = 0; ray < r.table.count; ray++) {
+    for (uint32_t ray = 0; ray < r.table.all; ray++) {
         const uint32_t i = r.table.pixel[ray];
         termination[i] -= (float)r.table.error[ray * (N + 1) + start_step(&r.table, map[i])];
     }

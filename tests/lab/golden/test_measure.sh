@@ -28,6 +28,9 @@ holds [ "$(value e_abs 1)" = "$(value e_abs 2)" ]
 holds [ "$(value occluder_left 1)" = 1.0 ]
 holds [ "$(value occluder_left 3)" = 0.0 ]
 holds [ "$(value fetus_cut 3)" = 1.0 ]
+# a map behind everything is not free beside the sac either
+holds [ "$(value e_abs_outside 2)" = "$(value e_abs_outside 1)" ]
+holds [ "$(value e_abs_outside 3 | cut -d. -f1)" -gt 5 ]
 
 refused() { # refused CODE WORDS ARGUMENTS...
     local code=$1 words=$2
