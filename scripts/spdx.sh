@@ -10,19 +10,26 @@ out=$(realpath "$2")
 cd "$(dirname "$0")/.."
 command -v dpkg-query > /dev/null || { echo "spdx: this is no Debian: dpkg-query is missing" >&2; exit 1; }
 version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\) .*/\1/p' CMakeLists.txt)
-commit=$(git rev-parse --short HEAD 2> /dev/null || echo unknown)
+# What tells one list from another: the commit, or where there is no git the plugin itself.
+commit=$(git rev-parse --short HEAD 2> /dev/null || sha256sum < "$build/smartvis.so" | head -c 12)
 created=$(git log -1 --format=%ct 2> /dev/null || date +%s)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 touch "$work/packages" "$work/relations"
 
 id_of() { echo "SPDXRef-${1//[^A-Za-z0-9.-]/-}"; }
-package() { # package NAME VERSION URL: adds it, if it is not there yet; URL is its purl, or nothing
-    local id
+package() { # package NAME VERSION URL: adds it, if it is not there yet; URL is its purl, or nothing: it is our own
+    local id supplier='Organization: The SmartVis authors'
+    case ${3:-} in
+        pkg:deb/*) supplier='Organization: Debian' ;;
+        pkg:*) supplier='Organization: PyPI' ;;
+    esac
     id=$(id_of "$1")
     grep -qx "SPDXID: $id" "$work/packages" && return
-    printf '\nPackageName: %s\nSPDXID: %s\n%sPackageDownloadLocation: NOASSERTION\nFilesAnalyzed: false\n' \
-        "$1" "$id" "${2:+PackageVersion: $2$'\n'}" >> "$work/packages"
+    printf '\nPackageName: %s\nSPDXID: %s\n%sPackageSupplier: %s\n' \
+        "$1" "$id" "${2:+PackageVersion: $2$'\n'}" "$supplier" >> "$work/packages"
+    printf 'PackageDownloadLocation: NOASSERTION\nFilesAnalyzed: false\n' >> "$work/packages"
+    [ -n "${3:-}" ] || [ ! -f "$build/$1" ] || printf 'PackageChecksum: SHA256: %s\n' "$(sha256sum < "$build/$1" | head -c 64)" >> "$work/packages"
     printf 'PackageLicenseConcluded: NOASSERTION\nPackageLicenseDeclared: %s\nPackageCopyrightText: NOASSERTION\n' \
         "$([ "${3:-}" ] && echo NOASSERTION || echo MIT)" >> "$work/packages"
     [ -z "${3:-}" ] || printf 'ExternalRef: PACKAGE-MANAGER purl %s\n' "$3" >> "$work/packages"

@@ -25,6 +25,17 @@ version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\) .*/\1/p' "$source_dir/
 for part in smartvis smartvis.so smartvis_check.so host_sim sv_validate sv_replay; do
     holds grep -qxF "PackageVersion: $version" <(grep -xF -A 2 "PackageName: $part" "$work/list")
 done
+# Each has a supplier; what is built has its sum, and every list a name of its own, also where there is no git.
+holds [ "$(grep -c '^PackageSupplier: Organization: ' "$work/list")" = "$(grep -c '^PackageName: ' "$work/list")" ]
+for part in smartvis.so smartvis_check.so host_sim sv_validate sv_replay; do
+    holds grep -qxF "PackageChecksum: SHA256: $(sha256sum < "$2/$part" | head -c 64)" <(grep -xF -A 6 "PackageName: $part" "$work/list")
+done
+holds grep -qE '^DocumentNamespace: .*-[0-9a-f]{7,}$' "$work/list"
+mkdir "$work/no_git"
+printf '#!/bin/sh\nexit 128\n' > "$work/no_git/git"
+chmod +x "$work/no_git/git"
+PATH=$work/no_git:$PATH holds bash "$source_dir/scripts/spdx.sh" "$2" "$work/without"
+holds grep -qxF "DocumentNamespace: https://spdx.org/spdxdocs/smartvis-$version-$(sha256sum < "$2/smartvis.so" | head -c 12)" "$work/without"
 # What is needed to build is installed where this runs: it has the version that dpkg tells.
 for name in $(sed 's/#.*//' "$source_dir/scripts/packages.txt"); do
     installed=$(dpkg-query -W -f '${Version}' "$name" 2> /dev/null)
