@@ -68,6 +68,7 @@ structs! {
         next_slice: u32,
         state: u32,
         reason: [c_char; 512],
+        doubted: i32,
         busy: c_long,
     }
 }
