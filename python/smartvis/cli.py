@@ -285,12 +285,15 @@ def command_batch(args: argparse.Namespace) -> int:
 
         rows = _sweep.sweep(each, out, batch) if len(each) > 1 else batch(each[""], out)
     failed = [row for row in rows if row["state"] != "ok"]
+    volumes = len({(row["file"], row["frame"]) for row in rows})
+    many = "volumes" if volumes == len(rows) else "results"
     of_file = Counter(row["file"] for row in failed)
     for row in failed:
         if count := of_file.pop(row["file"], 0):  # the first of a file; the table has all
-            more = f"; {count} of its volumes failed" if count > 1 else ""
+            more = f"; {count} of its {many} failed" if count > 1 else ""
             print(plain(line_of(Row(**row), True)) + more, file=sys.stderr)
-    done = f"{len(rows) - len(failed)} volumes clipped, {len(failed)} not"
+    of_all = f" of {volumes} volumes" if many == "results" else ""
+    done = f"{len(rows) - len(failed)} {many}{of_all} clipped, {len(failed)} not"
     print(plain(f"{done}; the page is {out / 'index.html'}, the table {out / 'table.csv'}"))
     return FAILED if failed else OK
 

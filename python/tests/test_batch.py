@@ -103,6 +103,7 @@ def test_settings_are_swept(tmp_path: Path, capsys) -> None:
         assert main([*words, "--set", wrong]) == 2 and not out.exists()
     assert "quality" in capsys.readouterr().err
     assert main([*words, "--set", "q=0.8,0.2", "--set", "unsure=clip"]) == 0
+    assert "4 results of 2 volumes clipped, 0 not" in capsys.readouterr().out
     rows = table(out)
     swept = ["q=0.8 unsure=clip", "q=0.2 unsure=clip"]
     assert [row["settings"] for row in rows] == swept * 2 and {row["method"] for row in rows} == {"wall"}
