@@ -65,7 +65,6 @@
 #define SV_WALL_POSITION_BITS 16 /* of a position in the camera's blocks, */
 #define SV_WALL_PART_ONE      16 /* of a block, where a level lies between two */
 #define SV_WALL_VECTOR_BITS   24 /* and of blocks a millimetre */
-#define SV_WALL_LINES         64 /* lines of a plane of beams, for kernels: bits of a word */
 
 /* Words of what is known of the frame. */
 #define SV_WALL_INFO_OUTCOME       0
@@ -178,7 +177,6 @@ typedef struct {
     int first, step, sweep;      /* SV_WALL_MM_BITS */
     int axis[3];                 /* the sweep's axis, SV_WALL_POSITION_BITS */
     int x[3], y[3], z[3];        /* the probe's axes, blocks a millimetre, SV_WALL_VECTOR_BITS */
-    int near[3];                 /* what is so near a sample along the axes is there, SV_WALL_POSITION_BITS */
 } sv_wall_grid;
 
 #endif

@@ -10,7 +10,7 @@
 
 #include <stdlib.h>
 
-enum { RAY_PLANES = 5, LIMB_PLANES = 4, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
+enum { RAY_PLANES = 5, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
 
 /* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -104,8 +104,6 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     bytes[SV_WALL_TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint);
     bytes[SV_WALL_CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float);
     find_bytes(m, &own->beams, bytes + SV_WALL_BEAMS);
-    bytes[SV_WALL_BEAMS + SV_WALL_LIMBS] =
-        (size_t)LIMB_PLANES * own->beams.layers * own->beams.rows * sizeof(cl_ulong);
     return sv_buffers_make(m->queue, bytes, SV_WALL_ALL_BUFFERS, s->buffer);
 }
 
@@ -142,37 +140,14 @@ static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slab
     return work_of(m)->slabs(m, s, from);
 }
 
-/* Asks the beams whether there is a surface, and where limbs float. */
+/* Asks the beams whether there is a surface. */
 static sv_status ask_beams(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid, bool continues) {
     const sv_wall_work *work = work_of(m);
     sv_wall_own *const own = sv_wall_own_of(s);
-    own->asked = *grid;
     own->beams.last = continues && own->camera.told ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
     const sv_status status = work->gather(m, s, grid);
     return status == SV_OK ? sv_wall_launch_all(m, s, work, work->gathered, work->verdict + 1, true, NULL)
                            : status;
-}
-
-/* Marks the camera's cells where limbs float along the beams. The grid lies where it was asked, as the camera
- * of this frame sees it. */
-static sv_status mark_limbs(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid) {
-    const sv_wall_work *work = work_of(m);
-    const sv_wall_own *const own = sv_wall_own_of(s);
-    sv_wall_grid g = own->asked;
-    for (int a = 0; a < 3; a++) {
-        g.axis[a] = grid->axis[a];
-        g.x[a] = grid->x[a];
-        g.y[a] = grid->y[a];
-        g.z[a] = grid->z[a];
-        g.near[a] = grid->near[a];
-    }
-    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[work->mark], work->kernels[work->mark]);
-    sv_launch_arg(&l, sizeof own->camera, &own->camera);
-    sv_launch_arg(&l, sizeof g, &g);
-    sv_launch_buffer(&l, s->buffer[SV_WALL_TABLES]);
-    sv_launch_buffer(&l, s->buffer[SV_WALL_BEAMS + SV_WALL_LIMBS]);
-    sv_launch_buffer(&l, s->buffer[SV_WALL_FLAGS]);
-    return sv_launch_pixels(&l, g.lines, g.planes, SV_STAGE_THRESHOLD);
 }
 
 static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_context *frame) {
@@ -191,10 +166,7 @@ static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_contex
     if (status != SV_OK) return status;
     own->camera.told = told;
     own->holds = told;
-    status = sv_wall_launch_all(m, s, work, work->gathered, work->surrounded, false, NULL);
-    if (status == SV_OK && told) status = mark_limbs(m, s, &grid);
-    if (status != SV_OK) return status;
-    return sv_wall_launch_all(m, s, work, work->surrounded, work->first_at_q, false, NULL);
+    return sv_wall_launch_all(m, s, work, work->gathered, work->first_at_q, false, NULL);
 }
 
 static sv_status place(const sv_map *m, sv_method_state *s, float q, const sv_depth_target *to) {

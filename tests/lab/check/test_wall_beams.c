@@ -233,29 +233,6 @@ static void turn(const double degrees[3], float rotation[9], float side[3]) {
     for (int i = 0; i < 3; i++) side[i] = -rotation[3 * i + 2];
 }
 
-/* A frame of a volume that stays sees limbs where the last one did, though the beams are not asked again. */
-static void test_limbs_stay_with_the_answer(void **state) {
-    enum { SIDE = 84 };
-    rig *const r = *state;
-    const hs_scene_data data = make_scene("E01", SIDE, 2, 1, 0);
-    const rig_format f = {.width = SIDE,
-                          .height = SIDE,
-                          .slices = SIDE,
-                          .slab_slices = SIDE,
-                          .carrier = SV_CARRIER_HOST,
-                          .fixed = {{rig_param(r, "method"), 0, rig_enum(r, "method", "wall")}}};
-    stage *t = rig_stage(r, &f, data.full.voxels);
-    sv_beams beams = {.kind = SV_BEAMS_FAN, .apex_mm = {40, 40, -70}, .sweep_mm = -20};
-    turn((const double[]){0, 0, 0}, beams.rotation, beams.side);
-    rig_tell(t, &beams);
-    rig_result first = rig_result_make(SIDE, SIDE), same = rig_result_make(SIDE, SIDE);
-    assert_int_equal(r->plugin->activate(r->plugin, &t->format), SV_OK);
-    assert_int_equal(rig_frame(r, t, NULL, 0, &first), SV_OK);
-    t->frame_flags = SV_FRAME_SAME_VOLUME;
-    assert_int_equal(rig_frame(r, t, NULL, 0, &same), SV_OK);
-    assert_memory_equal(first.depth, same.depth, sizeof(float) * SIDE * SIDE);
-}
-
 /* Makes all behind the wall dim, and most fluid lie behind that: no fetus is seen. */
 static void hide_fetus(uint8_t *volume, uint32_t side) {
     enum { BEHIND_WALL = 28, LAKE = 44, DIM = 64, LAKE_LEVEL = 2 };
@@ -318,5 +295,4 @@ UNIT_MAIN_OF(NULL, NULL, cmocka_unit_test(test_grid_follows_the_fan),
              cmocka_unit_test(test_untold_beams_have_no_grid),
              cmocka_unit_test(test_a_fan_from_behind_is_none),
              cmocka_unit_test(test_every_camera_has_the_same_answer),
-             RIG_TEST(test_an_answer_holds_for_its_volume), RIG_TEST(test_limbs_stay_with_the_answer),
-             RIG_TEST(test_kernels_follow_the_definition))
+             RIG_TEST(test_an_answer_holds_for_its_volume), RIG_TEST(test_kernels_follow_the_definition))
