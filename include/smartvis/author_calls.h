@@ -165,7 +165,7 @@ static inline sv_status sva_on_activate(sva *a, const sv_format *format) {
         sva_release(a);
     char doubt[SV_LENGTHS_TEXT_BYTES];
     a->doubted = status >= SV_OK && sv_lengths_doubt_format(format, doubt, sizeof doubt);
-    if (a->doubted) sva_say(a, SV_LOG_WARNING, "activate: %s", doubt);
+    if (a->doubted) sva_say(a, SV_LOG_INFO, "activate: %s", doubt);
     return status;
 }
 
@@ -181,7 +181,7 @@ static inline void sva_doubt_frame(sva *a) {
     char doubt[SV_LENGTHS_TEXT_BYTES];
     if (a->doubted || !sv_lengths_doubt_frame(&a->format, &a->frame, doubt, sizeof doubt)) return;
     a->doubted = 1;
-    sva_say(a, SV_LOG_WARNING, "begin: %s", doubt);
+    sva_say(a, SV_LOG_INFO, "begin: %s", doubt);
 }
 
 static inline sv_status sva_on_begin(sva *a, const sv_frame *frame) {
