@@ -74,6 +74,8 @@ class Reader:
             return
         _content.check(self.path)
         self._fields = _header(self.path)
+        if "segment0_id" in self._fields:
+            raise FileError(f"{self.path}: it is no scan, but made of one (a segmentation of 3D Slicer)")
         _geometry.check_marks(self.path, self._fields)
         self._scale = _geometry.unit(self.path, self._fields)
         self._ask_host()
@@ -167,7 +169,7 @@ class Reader:
             said = _host.run(["info", "--", str(self.path)])
             self._host_says_patient = "\n  in the patient: not said" not in said
             letters = re.search(r"^  (AnatomicalOrientation says .*)$", said, re.MULTILINE)
-            self._told += [f"{letters[1]}."] if letters else []
+            self._told += [letters[1]] if letters else []
         except HostError as error:
             if "give a window" not in str(error):  # said of values that were all read; clip says so, too
                 raise _of_host(self.path, error) from None

@@ -120,6 +120,9 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "metres.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1.25e-3 1.25e-3 2.5e-3"), 0, "spacing in metres?"),
     "zero.nii": (lambda path, v: odd_apart(path, v, 0), 0, "does not say how far apart its voxels are"),
     "nan.nii": (lambda path, v: odd_apart(path, v, np.nan), 0, "does not say how far apart its voxels are"),
+    "made.seg.nrrd": (
+        lambda path, v: nrrd(path, v, "spacings: 1.25 1.25 2.5", "Segment0_ID:=Segment_1", "Segment0_Name:=tissue"), 3,
+        "it is no scan, but made of one (a segmentation of 3D Slicer)"),
     "none.nrrd": (
         lambda path, v: nrrd(path, v, "space: LPS", "space directions: (1.25,0,0) (0,1.25,0) none"), 0,
         "does not say how far apart its voxels are"),
