@@ -19,6 +19,7 @@ _UNEVEN = 0.05  # of the distance between slices
 _CINE = ("1.2.840.10008.5.1.4.1.1.3", "1.2.840.10008.5.1.4.1.1.3.1")  # classes of ultrasound over time
 # Of what was made of a scan: segmentations and their like, maps of values, radiotherapy.
 _MADE_OF_ONE = ("1.2.840.10008.5.1.4.1.1.66.", "1.2.840.10008.5.1.4.1.1.30", "1.2.840.10008.5.1.4.1.1.481.")
+_ASKEW = 0.02  # of directions' products, which writers round
 _CENTIMETRES = 3  # of an ultrasound region's units
 
 
@@ -144,6 +145,11 @@ def _where(frame: Frame, layers: Sequence[Any]) -> None:
     frame.place = own_place if place is None else place
     across = own_across if across is None else across
     frame.across = None if across is None else across.reshape(2, 3)
+    if frame.across is not None and np.abs(frame.across @ frame.across.T - np.eye(2)).max() > _ASKEW:
+        raise FileError(
+            f"{frame.path}: its rows and columns run along {', '.join(f'{part:g}' for part in frame.across.ravel())}, "
+            "expected directions of length 1 at right angles"
+        )
 
 
 def _how_large(frame: Frame, layers: Sequence[Any]) -> None:

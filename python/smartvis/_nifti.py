@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from . import _content
 
 _BYTES = 348
+_LABELS = 1002  # NIFTI_INTENT_LABEL
 _TURNED = 0.1  # degrees, and ...
 _APART = 0.1  # ... mm, that are worth a word
 
@@ -27,6 +28,7 @@ class Header:
     apart: tuple[float, ...]  #: mm along the axes
     qform: NDArray[np.float64] | None  #: [3, 4]; None: its code is 0
     sform: NDArray[np.float64] | None
+    is_labels: bool  #: its values are labels, not a picture's
 
 
 def header(path: Path) -> Header | None:
@@ -35,6 +37,7 @@ def header(path: Path) -> Header | None:
         beside = path.name.lower().endswith((".img", ".img.gz"))
         head = _content.unpacked(Path(str(path).replace(".img", ".hdr")) if beside else path, _BYTES)
         order = "<" if head[:2] > head[2:4] else ">"
+        (intent,) = struct.unpack_from(f"{order}h", head, 68)
         sizes = struct.unpack_from(f"{order}8f", head, 76)
         codes = struct.unpack_from(f"{order}2h", head, 252)
         turn = struct.unpack_from(f"{order}6f", head, 256)
@@ -42,7 +45,7 @@ def header(path: Path) -> Header | None:
     except (OSError, EOFError, struct.error, zlib.error):
         return None
     qform = _of_quaternion(turn[:3], turn[3:], sizes) if codes[0] > 0 else None
-    return Header(sizes[1:4], qform, rows if codes[1] > 0 else None)
+    return Header(sizes[1:4], qform, rows if codes[1] > 0 else None, intent == _LABELS)
 
 
 def lacks_lengths(head: Header) -> bool:

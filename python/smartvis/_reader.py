@@ -27,6 +27,7 @@ _MOST_VOXELS = 1 << 31  # of a volume, as in the host
 _KEPT_VOXELS = 1 << 28
 _FAR = 1e9  # of any number of a geometry: ITK squares them
 _ASKEW = 1e-3  # of directions, as in the host
+_NIFTI = (".nii", ".nii.gz", ".hdr", ".img", ".img.gz")
 _PATIENT = re.compile(r"left|right|[LR][AP]S", re.IGNORECASE)  # of a NRRD's spaces
 
 
@@ -74,8 +75,7 @@ class Reader:
             return
         _content.check(self.path)
         self._fields = _header(self.path)
-        if "segment0_id" in self._fields:
-            raise FileError(f"{self.path}: it is no scan, but made of one (a segmentation of 3D Slicer)")
+        self._check_scan()
         _geometry.check_marks(self.path, self._fields)
         self._scale = _geometry.unit(self.path, self._fields)
         self._ask_host()
@@ -89,16 +89,27 @@ class Reader:
         size, values = reader.GetSize(), reader.GetNumberOfComponents()
         self._believable(reader)
         kinds = self._fields.get("kinds", "").replace('"', "").split()
-        if kinds == ["domain", "domain", "list"] and len(size) == 3:
+        over_time = [axis for axis, kind in enumerate(kinds) if kind in ("list", "time")]
+        if over_time == [2] and len(kinds) == 3:
             raise FileError(f"{self.path}: Kinds says that it holds {size[2]} pictures over time, not a volume")
+        if over_time and over_time[-1] not in (0, len(kinds) - 1):
+            raise FileError(f"{self.path}: Kinds says that axis {over_time[-1] + 1} is time, expected the last one")
         if len(size) == 4 and values == 1:
             self.count = size[3]
-        elif len(size) == 3 and values > 1 and "list" in kinds:
+        elif len(size) == 3 and values > 1 and over_time:
             self.count = values
         elif len(size) != 3:
             raise FileError(f"{self.path}: it has {len(size)} dimensions, expected a volume")
         elif values not in (1, 3, 4):
             raise FileError(f"{self.path}: its voxels have {values} values each: save the one of tissue as a file")
+
+    def _check_scan(self) -> None:
+        """FileError for what was made of a scan, and says so."""
+        head = _nifti.header(self.path) if self.path.name.lower().endswith(_NIFTI) else None
+        what = "a label map" if head and head.is_labels else ""
+        what = "a segmentation of 3D Slicer" if "segment0_id" in self._fields else what
+        if what:
+            raise FileError(f"{self.path}: it is no scan, but made of one ({what})")
 
     def _open_folder(self) -> None:
         for inside in self.path.iterdir():

@@ -43,6 +43,14 @@ def odd_apart(path: Path, voxels: np.ndarray, length: float) -> None:
     path.write_bytes(data)
 
 
+def labelled(path: Path, voxels: np.ndarray) -> None:
+    """A NIfTI whose intent is that of labels."""
+    written(voxels, path)
+    data = bytearray(path.read_bytes())
+    data[68:70] = struct.pack("<h", 1002)
+    path.write_bytes(data)
+
+
 def packed(path: Path, voxels: np.ndarray) -> None:
     path.write_bytes(gzip.compress(voxels.tobytes()))
 

@@ -15,6 +15,7 @@ from makers import (
     fan,
     in_db,
     in_members,
+    labelled,
     meta,
     named,
     nifti,
@@ -123,6 +124,16 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "made.seg.nrrd": (
         lambda path, v: nrrd(path, v, "spacings: 1.25 1.25 2.5", "Segment0_ID:=Segment_1", "Segment0_Name:=tissue"), 3,
         "it is no scan, but made of one (a segmentation of 3D Slicer)"),
+    "labels.nii": (labelled, 3, "it is no scan, but made of one (a label map)"),
+    "oblique.dcm": (
+        lambda path, v: enhanced(path, v, across=(1, 0, 0, 0.3, 1, 0)), 3,
+        "its rows and columns run along 1, 0, 0, 0.3, 1, 0, expected directions of length 1 at right angles"),
+    "over_time.nrrd": (
+        lambda path, v: nrrd(path, v, "spacings: 1.25 1.25 nan", "kinds: domain domain time"), 3,
+        "it holds 48 pictures over time"),
+    "amid.nrrd": (
+        lambda path, v: nrrd(path, np.stack([v, v], 2), "kinds: domain time domain domain", sizes="96 2 96 48"), 3,
+        "axis 2 is time, expected the last one"),
     "none.nrrd": (
         lambda path, v: nrrd(path, v, "space: LPS", "space directions: (1.25,0,0) (0,1.25,0) none"), 0,
         "does not say how far apart its voxels are"),
