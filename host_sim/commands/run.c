@@ -52,14 +52,9 @@ static bool open_plugin(hs_run *run, hs_error *err) {
     return true;
 }
 
-/* A child that compiles needs no more of a scene: a kernel is the same for volumes of all sizes. */
-enum { SIZE_TO_COMPILE = 32 };
-
 static bool open_volumes(hs_run *run, hs_error *err) {
     const hs_run_request *r = &run->request;
-    hs_source_scene scene = r->scene;
-    if (hs_child_is_one() && scene.size > SIZE_TO_COMPILE) scene.size = SIZE_TO_COMPILE;
-    if (scene.name) return hs_source_open_scene(&run->source, &scene, err);
+    if (r->scene.name) return hs_source_open_scene(&run->source, &r->scene, err);
     return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->files, err);
 }
 
@@ -81,12 +76,14 @@ static bool create_loop(hs_run *run, hs_error *err) {
     return run->loop != NULL;
 }
 
+enum { SIDE_TO_COMPILE = 32 }; /* of a picture that nobody sees */
+
 /* The parent's side: a small frame without the plugin, and where its rays end, which the pictures ask for.
  * The child's side is to open the same and leave. */
 static bool compile_host(hs_run *run, hs_error *err) {
     hs_loop_options options = run->request.loop;
     hs_frame frame;
-    options.dvr.width = options.dvr.height = SIZE_TO_COMPILE;
+    options.dvr.width = options.dvr.height = SIDE_TO_COMPILE;
     float *ends = calloc((size_t)options.dvr.width * options.dvr.height + 1u, sizeof *ends);
     hs_loop *loop = hs_loop_create(&run->cl, &run->source, NULL, &options, err);
     const bool ok = ends && loop && hs_loop_frame(loop, HS_SETTING_SMARTVIS, 0, &frame, err) &&

@@ -44,6 +44,11 @@ for file in result.png depthmap.png slices.png depthmap.mha confidence.mha; do
 done
 grep -q 'Kernels  compiled without optimisation' "$work/warm.txt" || fail "the run does not say why it is slow"
 if grep -q 'Kernels  compiled' "$work/optimised.txt"; then fail "the optimised run says that it is not"; fi
+# The process that compiles ahead compiles what this run needs: the host's program, the profiles and the frame's, each once.
+POCL_CACHE_DIR=$work/mean "$build_dir/host_sim" run --scene E01 --size 100 --frames 1 --picture 32 --few-pictures --setting smartvis \
+    --set method=mean --out "$work/mean_out" > "$work/mean.txt" 2>&1 || fail "mean: exit code $?: $(tail -n 20 "$work/mean.txt")"
+programs=$(find "$work/mean" -name program.bc | wc -l)
+[ "$programs" = 3 ] || fail "method mean: $programs programs were built, 3 are needed"
 # The layer's recording of such a run is whole: no other process of the host writes there.
 POCL_CACHE_DIR=$work SMARTVIS_RECORD=$work/cold.svr "$build_dir/host_sim" run --scene E01 --size 32 --frames 1 --picture 32 --few-pictures \
     --setting smartvis --set method=mean --no-guard --plugin "$build_dir/smartvis_check.so" --out "$work/recorded" > "$work/recorded.txt" 2>&1
