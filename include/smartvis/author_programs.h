@@ -53,8 +53,8 @@ static inline uint64_t sva_program_processor(void) {
     return flags ? sva_kept_sum(SVA_KEPT_SUM, flags, 1 + strcspn(flags + 1, "\n")) : 0;
 }
 
-/* Internal: what tells this device and its compiler from others. False if they do not say. */
-static inline int sva_program_facts(cl_device_id device, char *out) {
+/* Internal: what tells this device and its compiler from others. Not CL_SUCCESS if they do not say. */
+static inline cl_int sva_program_facts(cl_device_id device, char *out) {
     static const cl_device_info of_device[] = {CL_DEVICE_NAME, CL_DEVICE_VENDOR, CL_DEVICE_VERSION,
                                                CL_DRIVER_VERSION};
     static const cl_platform_info of_platform[] = {CL_PLATFORM_NAME, CL_PLATFORM_VERSION};
@@ -73,13 +73,13 @@ static inline int sva_program_facts(cl_device_id device, char *out) {
     }
     (void)snprintf(out, SVA_PROGRAM_FACT, "%u lanes, %u bits, processor %llx\n", (unsigned)lanes,
                    (unsigned)bits, (unsigned long long)sva_program_processor());
-    return code == CL_SUCCESS;
+    return code;
 }
 
 /* Internal: a program's key, to be freed; or NULL. */
 static inline char *sva_program_key(cl_device_id device, const sva_source *s, size_t *bytes) {
     char facts[SVA_PROGRAM_FACTS];
-    if (!sva_program_facts(device, facts)) return NULL;
+    if (sva_program_facts(device, facts) != CL_SUCCESS) return NULL;
     const size_t first = strlen(facts) + 1, options = strlen(s->options) + 1;
     size_t used = first + options;
     for (cl_uint i = 0; i < s->count; i++) used += s->bytes[i];
@@ -96,20 +96,27 @@ static inline char *sva_program_key(cl_device_id device, const sva_source *s, si
     return key;
 }
 
+/* Internal: what the device's platform says of itself. out->code is not CL_SUCCESS where it does not. */
+static inline void sva_program_platform(cl_device_id device, cl_platform_info what, char *text, size_t bytes,
+                                        sva_built *out) {
+    cl_platform_id platform = NULL;
+    memset(text, 0, bytes);
+    out->call = "clGetDeviceInfo(CL_DEVICE_PLATFORM)";
+    out->code = clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, (void *)&platform, NULL);
+    if (out->code != CL_SUCCESS) return;
+    out->call = what == CL_PLATFORM_NAME ? "clGetPlatformInfo(CL_PLATFORM_NAME)"
+                                         : "clGetPlatformInfo(CL_PLATFORM_VERSION)";
+    out->code = clGetPlatformInfo(platform, what, bytes - 1, text, NULL);
+}
+
 /* Internal: true if programs of this device are to be kept; out->code is not CL_SUCCESS where it does not say
  * what it is. */
 static inline int sva_program_is_kept(cl_device_id device, sva_built *out) {
     static const char *const keep_nothing[] = {"Intel(R) OpenCL"};
     const char *named = getenv("SMARTVIS_KERNEL_CACHE");
     char name[100];
-    cl_platform_id platform = NULL;
-    memset(name, 0, sizeof name);
     if (named) return named[0] != '\0';
-    out->call = "clGetDeviceInfo(CL_DEVICE_PLATFORM)";
-    out->code = clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, (void *)&platform, NULL);
-    if (out->code != CL_SUCCESS) return 0;
-    out->call = "clGetPlatformInfo(CL_PLATFORM_NAME)";
-    out->code = clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, NULL);
+    sva_program_platform(device, CL_PLATFORM_NAME, name, sizeof name, out);
     for (size_t i = 0; out->code == CL_SUCCESS && i < sizeof keep_nothing / sizeof *keep_nothing; i++)
         if (strcmp(name, keep_nothing[i]) == 0) return 1;
     return 0;
@@ -165,30 +172,11 @@ static inline void sva_program_compile(cl_context context, cl_device_id device, 
 #if SVA_RUNTIME_POSIX
 enum { SVA_PROGRAM_MARK = SVA_CACHE_PATH + 40 };
 
-/* Internal: goes on with the sum of what a device says of itself. */
-static inline cl_int sva_program_device_sum(cl_device_id device, uint64_t *sum) {
-    static const cl_device_info asked[] = {CL_DEVICE_NAME, CL_DEVICE_VERSION, CL_DRIVER_VERSION};
-    cl_int code = CL_SUCCESS;
-    for (int i = 0; i < 3 && code == CL_SUCCESS; i++) {
-        char text[SVA_PROGRAM_FACT];
-        memset(text, 0, sizeof text);
-        code = clGetDeviceInfo(device, asked[i], sizeof text - 1, text, NULL);
-        *sum = sva_kept_sum(*sum, text, strlen(text) + 1);
-    }
-    return code;
-}
-
 /* Internal: true if the device is one of PoCL 3, whose kernels' results do not depend on optimisation.
  * out->code is not CL_SUCCESS where it does not say. */
 static inline int sva_program_is_pocl3(cl_device_id device, sva_built *out) {
     char version[1000];
-    cl_platform_id platform = NULL;
-    memset(version, 0, sizeof version);
-    out->call = "clGetDeviceInfo(CL_DEVICE_PLATFORM)";
-    out->code = clGetDeviceInfo(device, CL_DEVICE_PLATFORM, sizeof platform, (void *)&platform, NULL);
-    if (out->code != CL_SUCCESS) return 0;
-    out->call = "clGetPlatformInfo(CL_PLATFORM_VERSION)";
-    out->code = clGetPlatformInfo(platform, CL_PLATFORM_VERSION, sizeof version - 1, version, NULL);
+    sva_program_platform(device, CL_PLATFORM_VERSION, version, sizeof version, out);
     return out->code == CL_SUCCESS && strstr(version, " PoCL 3.") != NULL;
 }
 
@@ -196,14 +184,16 @@ static inline int sva_program_is_pocl3(cl_device_id device, sva_built *out) {
  * because it goes with it. False where there is none; see out->code. */
 static inline int sva_program_mark(cl_device_id device, const sva_source *s, char *mark, size_t bytes,
                                    sva_built *out) {
-    char cache[SVA_CACHE_PATH];
-    uint64_t sum = sva_kept_sum(SVA_KEPT_SUM, s->options, strlen(s->options) + 1);
+    char cache[SVA_CACHE_PATH], facts[SVA_PROGRAM_FACTS];
     if (!sva_program_is_pocl3(device, out) || !sva_cache_folder(cache, sizeof cache)) return 0;
     out->call = "clGetDeviceInfo";
-    out->code = sva_program_device_sum(device, &sum);
+    out->code = sva_program_facts(device, facts);
+    if (out->code != CL_SUCCESS) return 0;
+    uint64_t sum = sva_kept_sum(SVA_KEPT_SUM, facts, strlen(facts) + 1);
+    sum = sva_kept_sum(sum, s->options, strlen(s->options) + 1);
     for (cl_uint i = 0; i < s->count; i++) sum = sva_kept_sum(sum, s->texts[i], s->bytes[i]);
     (void)snprintf(mark, bytes, "%s/smartvis/%016llx", cache, (unsigned long long)sum);
-    return out->code == CL_SUCCESS;
+    return 1;
 }
 
 /* Internal: makes it, where that can be done: without it the next quick process compiles once more. */
