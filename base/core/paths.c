@@ -47,6 +47,11 @@ bool hs_path_make_folder(const char *path, hs_error *err) {
     return true;
 }
 
+bool hs_path_ends(const char *path, const char *ending) {
+    const size_t n = strlen(path), m = strlen(ending);
+    return n > m && path[n - m - 1] != '/' && strcmp(path + n - m, ending) == 0;
+}
+
 bool hs_path_join(const char *folder, const char *name, char *out, size_t bytes, hs_error *err) {
     const int length = snprintf(out, bytes, "%s/%s", folder, name);
     return (length >= 0 && (size_t)length < bytes) ||

@@ -13,6 +13,9 @@ bool hs_path_make_folder(const char *path, hs_error *err);
 /* Writes "<folder>/<name>" to out; HS_ERR_OUTPUT if it is longer than `bytes`. */
 bool hs_path_join(const char *folder, const char *name, char *out, size_t bytes, hs_error *err);
 
+/* True if the path's last part has this ending, and more before it. */
+bool hs_path_ends(const char *path, const char *ending);
+
 /* Makes an empty file "<stem><number>" that no other has, and writes its path to out. Returns its descriptor,
  * for writing; -1 with errno. */
 int hs_path_first(const char *stem, char *out, size_t bytes);

@@ -2,6 +2,7 @@
 #include "volume/metaimage_write.h"
 
 #include "core/output_file.h"
+#include "core/paths.h"
 #include "volume/metaimage_parts.h"
 
 #include <errno.h>
@@ -43,11 +44,6 @@ static bool check_format(const char *path, const hs_metaimage_format *f, uint64_
                            f->spacing[axis]);
     }
     return true;
-}
-
-static bool has_ending(const char *path, const char *ending) {
-    const size_t n = strlen(path), m = strlen(ending);
-    return n > m && path[n - m - 1] != '/' && strcmp(path + n - m, ending) == 0;
 }
 
 /* ------------------------------------------------------------------------------------------ the header -- */
@@ -121,7 +117,7 @@ static bool write_header(const hs_metaimage_stream *s, uint64_t compressed) {
 
 static bool start(hs_metaimage_stream *s, const char *path) {
     if (!check_format(path, &s->format, &s->bytes, s->err)) return false;
-    if (!has_ending(path, ".mha"))
+    if (!hs_path_ends(path, ".mha"))
         return hs_fail(s->err, HS_ERR_OUTPUT, "%s: the name should end in .mha", path);
     s->path = strdup(path);
     s->left = s->bytes;

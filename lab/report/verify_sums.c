@@ -55,11 +55,6 @@ static void check_list(sums *s, const char *folder, const char *name) {
     (void)fclose(list);
 }
 
-static bool is_list(const char *name) {
-    const size_t length = strlen(name);
-    return length > 7 && strcmp(name + length - 7, ".sha256") == 0;
-}
-
 void hs_verify_sums(hs_verify_row *row) {
     sums s = {0};
     char folder[SYS_PATH];
@@ -68,7 +63,7 @@ void hs_verify_sums(hs_verify_row *row) {
         hs_path_beside_program("../share/smartvis/sums", folder, sizeof folder))
         all = opendir(folder);
     for (const struct dirent *entry; all && (entry = readdir(all)) != NULL;)
-        if (is_list(entry->d_name)) check_list(&s, folder, entry->d_name);
+        if (hs_path_ends(entry->d_name, ".sha256")) check_list(&s, folder, entry->d_name);
     if (all) (void)closedir(all);
     row->name = "Files";
     row->held = s.wrong > 0 ? HS_VERIFY_FAILED : s.files > 0 ? HS_VERIFY_HELD : HS_VERIFY_UNASKED;
