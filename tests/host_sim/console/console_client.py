@@ -13,7 +13,17 @@ import time
 SIZE = 64  # voxels: what is tested is the console, not the loop
 
 
-class Console:
+class Address:
+    """Where a console is, as it prints it; `first`: what its page shows, if it says so."""
+
+    def __init__(self, text):
+        self.address, _, self.first = text.partition("#")
+        self.place, self.token = self.address[len("http://"):].split("/?t=")
+        self.host, port = self.place.rsplit(":", 1)
+        self.port = int(port)
+
+
+class Console(Address):
     """host_sim console with these arguments."""
 
     def __init__(self, build, arguments=(), err=None, by=(), **more):
@@ -21,11 +31,7 @@ class Console:
         self.process = subprocess.Popen([*by, program, "console", *arguments], stdout=subprocess.PIPE, stderr=err, text=True, **more)
         line = self.process.stdout.readline()
         assert line.startswith("Console  http://"), f"the console said '{line}'"
-        self.address = line.split()[1]
-        place, self.token = self.address[len("http://"):].split("/?t=")
-        self.host, port = place.rsplit(":", 1)
-        self.port = int(port)
-        self.place = place
+        super().__init__(line.split()[1])
 
     def request(self, path, method="GET", headers=None, host=None):
         """(status, headers as text, body) of a request on a connection of its own."""
