@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _images
 from ._errors import FileError, extra_module
 from ._files import whole
 from ._version import __version__
@@ -53,7 +54,7 @@ def pictures(paths: Sequence[str]) -> tuple[NDArray[np.uint8], float]:
 
 def _headers(path: Path) -> Iterator[Any]:
     """Those of a DICOM file, or of all of a folder."""
-    pydicom = extra_module("pydicom", "pydicom", "files", "DICOM")
+    pydicom = _images.pydicom()
     for file in sorted(one for one in path.rglob("*") if one.is_file()) if path.is_dir() else [path]:
         try:
             yield pydicom.dcmread(file, stop_before_pixels=True)
@@ -65,7 +66,7 @@ def _scan(path: Path | None) -> Any:
     """The header of a scan. FileError: its files are of several patients or studies, so that nobody knows whose the
     pictures are."""
     if path is None:
-        return extra_module("pydicom", "pydicom", "files", "DICOM").Dataset()
+        return _images.pydicom().Dataset()
     scan: Any = None
     for header in _headers(path):
         scan = header if scan is None else scan
@@ -79,7 +80,7 @@ def _scan(path: Path | None) -> Any:
 
 def _described(scan: Any, many: bool, frame_ms: float) -> Any:
     """All but the pixels."""
-    pydicom = extra_module("pydicom", "pydicom", "files", "DICOM")
+    pydicom = _images.pydicom()
     out, new, now = pydicom.Dataset(), pydicom.uid.generate_uid, datetime.datetime.now()
     for key, usual in _OF_THE_SCAN:
         value = scan.get(key, usual)
@@ -119,7 +120,7 @@ def write(paths: Sequence[str], out: Path, of: Path | None = None) -> Path:
     pixels = frames.tobytes()
     data.PixelData = pixels + b"\0" * (len(pixels) % 2)
     data["PixelData"].VR = "OB"
-    pydicom = extra_module("pydicom", "pydicom", "files", "DICOM")
+    pydicom = _images.pydicom()
     data.file_meta = pydicom.dataset.FileMetaDataset()
     data.file_meta.TransferSyntaxUID = _EXPLICIT
     return whole(out, lambda part: data.save_as(part, enforce_file_format=True))

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _pixels, _transducer
-from ._errors import FileError, extra_module
+from . import _images, _pixels, _transducer
+from ._errors import FileError
 
 _UNEVEN = 0.05  # of the distance between slices
 _CINE = ("1.2.840.10008.5.1.4.1.1.3", "1.2.840.10008.5.1.4.1.1.3.1")  # classes of ultrasound over time
@@ -74,7 +74,7 @@ def volumes(files: Sequence[Path], where: Path, whole_file: bool = False) -> lis
 
 
 def _frames(path: Path, whole_file: bool) -> list[tuple[Any, Frame]]:
-    pydicom = extra_module("pydicom", "pydicom", "files", "DICOM")
+    pydicom = _images.pydicom()
     try:
         data = pydicom.dcmread(path, stop_before_pixels=True)
         if "Rows" not in data or "Columns" not in data:

@@ -15,6 +15,10 @@ def sitk() -> Any:
     return extra_module("SimpleITK", "SimpleITK", "files")
 
 
+def pydicom(part: str = "") -> Any:
+    return extra_module(f"pydicom{part}", "pydicom", "files", "DICOM")
+
+
 def is_image(volume: Any) -> bool:
     """True for an image of SimpleITK. ValueError for those of libraries that count [x, y, z], and of ITK itself."""
     name = f"{type(volume).__module__.partition('.')[0]}'s {type(volume).__name__}"

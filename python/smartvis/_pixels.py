@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import FileError, extra_module
+from . import _images
+from ._errors import FileError
 
 _RLE = "1.2.840.10008.1.2.5"
 _NEUTRAL = 128  # of YBR_FULL's colours
@@ -56,12 +57,12 @@ def by_table(voxels: NDArray[Any], tables: Sequence[Table | None], path: Path) -
 def grey_of_planes(path: Path) -> NDArray[Any] | None:
     """Grey in three channels whose planes were packed as if they were pixels, as pydicom 3 packs PlanarConfiguration 1
     by RLE: [z, y, x]. None: the file is no such."""
-    pydicom = extra_module("pydicom", "pydicom", "files", "DICOM")
+    pydicom = _images.pydicom()
     data = pydicom.dcmread(path, stop_before_pixels=True)
     if data.file_meta.get("TransferSyntaxUID") != _RLE or data.get("PlanarConfiguration") != 1:
         return None
     try:
-        raw = extra_module("pydicom.pixels", "pydicom", "files", "DICOM").pixel_array(path, raw=True)
+        raw = _images.pydicom(".pixels").pixel_array(path, raw=True)
         planes = raw.reshape(-1, 3, data.Rows, data.Columns)
     except (ValueError, RuntimeError, AttributeError, NotImplementedError):
         return None
