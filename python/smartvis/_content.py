@@ -48,6 +48,11 @@ _MARKS = (
 )
 
 
+def is_nifti(path: Path) -> bool:
+    """By its name."""
+    return path.name.lower().endswith(_NAMES["NIfTI"] + _NAMES["NIfTI in gzip"])
+
+
 def check(path: Path) -> None:
     """FileError for what the name does not say: another format, or one that is not read. Of a file that is nothing
     known its reader says why."""

@@ -44,7 +44,7 @@ def check_marks(path: Path, fields: dict[str, str]) -> None:
         raise FileError(f"{path}: its spacing is '{apart or vectors}', expected a point as decimal mark")
 
 
-def says_spacing(path: Path, fields: dict[str, str], reader: Any) -> bool:
+def says_spacing(path: Path, fields: dict[str, str], reader: Any, head: _nifti.Header | None) -> bool:
     """Whether the file says how far apart voxels are; ITK says 1 if not."""
     name = path.name.lower()
     if name.endswith((".nrrd", ".nhdr")):
@@ -55,7 +55,6 @@ def says_spacing(path: Path, fields: dict[str, str], reader: Any) -> bool:
     if reader.HasMetaDataKey("pixdim[1]"):
         apart = {float(reader.GetMetaData(f"pixdim[{axis}]")) for axis in (1, 2, 3)}
         has_unit = int(float(reader.GetMetaData("xyzt_units"))) & 7
-        head = _nifti.header(path)
         return not (head and _nifti.lacks_lengths(head)) and (apart != {1.0} or bool(has_unit))
     return not name.endswith(".vtk") or b"SPACING" in first_bytes(path).upper()
 

@@ -27,7 +27,6 @@ _MOST_VOXELS = 1 << 31  # of a volume, as in the host
 _KEPT_VOXELS = 1 << 28
 _FAR = 1e9  # of any number of a geometry: ITK squares them
 _ASKEW = 1e-3  # of directions, as in the host
-_NIFTI = (".nii", ".nii.gz", ".hdr", ".img", ".img.gz")
 _PATIENT = re.compile(r"left|right|[LR][AP]S", re.IGNORECASE)  # of a NRRD's spaces
 
 
@@ -48,6 +47,7 @@ class Reader:
         self._dicom: list[_dicom.Volume] = []
         self._scale = 1.0  # mm of the file's unit
         self._fields: dict[str, str] = {}
+        self._nifti: _nifti.Header | None = None
         self.count = 1
         try:
             self._open()
@@ -75,6 +75,7 @@ class Reader:
             return
         _content.check(self.path)
         self._fields = _header(self.path)
+        self._nifti = _nifti.header(self.path) if _content.is_nifti(self.path) else None
         self._check_scan()
         _geometry.check_marks(self.path, self._fields)
         self._scale = _geometry.unit(self.path, self._fields)
@@ -105,8 +106,7 @@ class Reader:
 
     def _check_scan(self) -> None:
         """FileError for what was made of a scan, and says so."""
-        head = _nifti.header(self.path) if self.path.name.lower().endswith(_NIFTI) else None
-        what = "a label map" if head and head.is_labels else ""
+        what = "a label map" if self._nifti and self._nifti.is_labels else ""
         what = "a segmentation of 3D Slicer" if "segment0_id" in self._fields else what
         if what:
             raise FileError(f"{self.path}: it is no scan, but made of one ({what})")
@@ -232,17 +232,12 @@ class Reader:
             raise unreadable(self.path, error) from None
         except RuntimeError as error:
             raise FileError(f"{self.path}: {reason(error)}") from None
-        told = [*self._told, self._two_places(image)]
+        told = [*self._told, _nifti.two_places(self._nifti, image) if self._nifti else ""]
         if not self._says_place():
             image.SetMetaData(_images.PLACE, "1")
         if any(told):
             image.SetMetaData(_images.TOLD, " ".join(filter(None, told)))
         return image
-
-    def _two_places(self, image: Any) -> str:
-        is_nifti = self._reader is not None and self._reader.HasMetaDataKey("qform_code")
-        head = _nifti.header(self.path) if is_nifti else None
-        return _nifti.two_places(head, image) if head else ""
 
     def _read_any(self, number: int) -> Any:
         if self._dicom:
@@ -262,7 +257,7 @@ class Reader:
         tiff = _geometry.tiff_spacing(self.path) if self.path.suffix.lower() in (".tif", ".tiff") else ()
         if tiff:
             image.SetSpacing(tiff)
-        if tiff is None or not _geometry.says_spacing(self.path, self._fields, self._reader):
+        if tiff is None or not _geometry.says_spacing(self.path, self._fields, self._reader, self._nifti):
             image.SetMetaData(_images.NOT_SAID, "1")
         side = _geometry.side(self._fields.get("ultrasoundimageorientation", ""))
         if side:
