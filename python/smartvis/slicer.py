@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 from xml.sax.saxutils import escape
 
-from . import _module, _process, _runtime, cli
+from . import _module, _options, _process, _runtime, cli
 from ._files import Source, whole
 from ._plugin import load
 from ._products import write_as
@@ -53,7 +53,7 @@ def _show(markup: str) -> None:
     print(markup, flush=True)
 
 
-class _Parser(cli.Parser):
+class _Parser(_options.Parser):
     """What is wrong is one sentence: a form has no room for how the command is used."""
 
     def error(self, message: str) -> NoReturn:
@@ -72,10 +72,10 @@ def parser_of() -> argparse.ArgumentParser:
     add("--processinformationaddress", help=argparse.SUPPRESS)  # of what Slicer runs within itself
     for item in _module.RESULTS.values():
         add(f"--{item.name}", metavar="FILE", help=item.description)
-    add("--direction", metavar="X,Y,Z", type=cli.numbers(3), help="where the camera looks, instead of --view")
-    add("--spacing", metavar="X,Y,Z", type=cli.spacing_of, help="mm between voxels, instead of the file's")
-    add("--level", type=cli.finite, help="grey value at which the model's tissue begins [Otsu's threshold]")
-    cli.add_clip_options(parser)
+    add("--direction", metavar="X,Y,Z", type=_options.numbers(3), help="where the camera looks, instead of --view")
+    add("--spacing", metavar="X,Y,Z", type=_options.spacing_of, help="mm between voxels, instead of the file's")
+    add("--level", type=_options.finite, help="grey value at which the model's tissue begins [Otsu's threshold]")
+    _options.add_clip_options(parser)
     known = {option for action in parser._actions for option in action.option_strings}
     for key in load().parameters:
         if f"--{key}" not in known:  # short for --set KEY=VALUE
@@ -90,7 +90,7 @@ def parser_of() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Runs the command line and returns the exit code."""
-    return cli.guarded(lambda: _obey(cli.signed(sys.argv[1:] if words is None else words, "--direction")))
+    return cli.guarded(lambda: _obey(_options.signed(sys.argv[1:] if words is None else words, "--direction")))
 
 
 def _obey(words: Sequence[str]) -> int:
@@ -113,7 +113,7 @@ def _clip(args: argparse.Namespace) -> int:
         raise ValueError(f"no result is asked for: choose {', '.join(i.label for i in _module.RESULTS.values())}")
     if "mesh" in wanted and wanted["mesh"].suffix.lower() != ".ply":
         raise ValueError(f"--model: {wanted['mesh']}: models are written as .ply")
-    settings = cli.settings_of(_as_of_clip(args, wanted))
+    settings = _options.settings_of(_as_of_clip(args, wanted))
     source = Source(args.scan, spacing=settings.spacing)
     source.check_one()
     progress = _Progress(2 + len(wanted))
