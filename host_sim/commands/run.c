@@ -52,9 +52,15 @@ static bool open_plugin(hs_run *run, hs_error *err) {
     return true;
 }
 
+/* A child that compiles needs no more of a scene: from 64 rays on a row fills the widest vectors, and a
+ * kernel is the same for volumes of all sizes, up to those that need more than 16 MB. */
+enum { SIZE_TO_COMPILE = 64 };
+
 static bool open_volumes(hs_run *run, hs_error *err) {
     const hs_run_request *r = &run->request;
-    if (r->scene.name) return hs_source_open_scene(&run->source, &r->scene, err);
+    hs_source_scene scene = r->scene;
+    if (hs_child_is_one() && scene.size > SIZE_TO_COMPILE) scene.size = SIZE_TO_COMPILE;
+    if (scene.name) return hs_source_open_scene(&run->source, &scene, err);
     return hs_source_open_files(&run->source, r->volumes, r->volume_count, &r->files, err);
 }
 
