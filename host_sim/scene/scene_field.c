@@ -78,16 +78,27 @@ bool hs_field_add_style(hs_field *field, hs_error *err) {
            hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %zu voxels", count);
 }
 
-void hs_field_free(hs_field *field) {
+void hs_field_free_surfaces(hs_field *field) {
     free(field->style);
     free(field->share);
-    free(field->haze_end);
-    free(field->tissue);
     free(field->surface);
     free(field->bone);
+    field->style = field->share = NULL;
+    field->surface = field->bone = NULL;
+}
+
+void hs_field_free_levels(hs_field *field) {
     free(field->diffuse);
     free(field->coherent);
     free(field->envelope);
+    field->diffuse = field->coherent = field->envelope = NULL;
+}
+
+void hs_field_free(hs_field *field) {
+    hs_field_free_surfaces(field);
+    hs_field_free_levels(field);
+    free(field->haze_end);
+    free(field->tissue);
     memset(field, 0, sizeof *field);
 }
 

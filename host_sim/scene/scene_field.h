@@ -62,8 +62,8 @@ typedef struct {
     uint64_t seed;       /* of the places of things: the same in all frames */
     uint64_t noise_seed; /* of speckle and noise: fresh in every frame */
     uint8_t *tissue;     /* hs_tissue */
-    int8_t *surface;     /* distance to the boundary between fluid and tissue, < 0 in tissue */
-    int8_t *bone;        /* distance to bone */
+    int8_t *surface;     /* distance to the boundary between fluid and tissue, < 0 in tissue; or NULL */
+    int8_t *bone;        /* distance to bone; NULL with surface */
     /* Of occluders with an echo or an edge of their own: hs_solid.style, and how much of the tissue's
      * scatterers are there, 255: all. NULL if the scene has none. */
     uint8_t *style, *share;
@@ -79,6 +79,10 @@ typedef struct {
 bool hs_field_init(hs_field *field, const uint32_t n[3], const float h[3], hs_error *err);
 /* Adds the planes `style` and `share`. */
 bool hs_field_add_style(hs_field *field, hs_error *err);
+/* Frees the planes that tell where surfaces run: surface, bone, style and share. */
+void hs_field_free_surfaces(hs_field *field);
+/* Frees the levels: diffuse, coherent and envelope. */
+void hs_field_free_levels(hs_field *field);
 void hs_field_free(hs_field *field);
 
 static inline size_t hs_field_index(const hs_field *f, uint32_t x, uint32_t y, uint32_t z) {
@@ -98,8 +102,8 @@ typedef struct {
     const hs_scene_spec *spec;
 } hs_pass;
 
-/* Solids to tissue, surface and bone, and to style and share if the field has them. Sorts the list by part.
- * `turn` is NULL, or its rows are the axes of voxels whose cube is turned around its middle. False with
+/* Solids to tissue, and to those of surface, bone, style and share that the field has. Sorts the list by
+ * part. `turn` is NULL, or its rows are the axes of voxels whose cube is turned around its middle. False with
  * HS_ERR_MEMORY, or if there are more than HS_SCENE_MAX_SOLIDS solids. */
 bool hs_scene_raster(hs_field *field, const hs_scene_spec *spec, hs_solid_list *solids, const float *turn,
                      hs_error *err);

@@ -128,6 +128,7 @@ static void voxel(const raster *r, const brick_list *list, const float p[3], siz
     }
     if (tissue == HS_TISSUE_FLUID && wall < 0.0f) tissue = layer_tissue(r, p, column);
     f->tissue[index] = (uint8_t)tissue;
+    if (!f->surface) return;
     f->surface[index] = quantised(fminf(body, fmaxf(fminf(occluder, wall), -urine)), r->inv_h);
     f->bone[index] = quantised(bone, r->inv_h);
     if (!f->style) return;
@@ -173,7 +174,7 @@ static void brick_voxels(const raster *r, const brick_list *list, const uint32_t
     for (uint32_t z = start[2]; z < stop[2]; z++)
         for (uint32_t y = start[1]; y < stop[1]; y++) {
             size_t row = hs_field_index(f, start[0], y, z), width = stop[0] - start[0];
-            if (empty) {
+            if (empty && f->surface) {
                 memset(f->surface + row, fluid ? HS_DISTANCE_FAR : -HS_DISTANCE_FAR, width);
                 memset(f->bone + row, HS_DISTANCE_FAR, width);
                 if (f->style) memset(f->style + row, 0, width);
