@@ -8,7 +8,7 @@
 /*
  * A fan whose lengths along one axis are wrong is none, so its outline tells which spacing it has: up to a
  * factor for all axes, which leaves it a fan. Looked for are an axis that is too long or too short, and the
- * three spacings in another order.
+ * three spacings in another order, as of an array that was transposed and kept those it had.
  */
 
 static const double better = 0.05; /* of the border: as much more must lie on the fan, for the unknown more */
@@ -23,7 +23,8 @@ typedef struct {
     border scaled;
     double (*points)[3];
     double *room;
-    const hs_probe *faces; /* two */
+    const hs_probe *faces;
+    int face_count;
     bool turned, found;
     double share, factor[3]; /* of the best so far */
 } search;
@@ -36,10 +37,10 @@ static void scale_border(search *s, const border *b, const double factor[3]) {
     for (int k = 0; k < 3; k++) s->scaled.size[k] = b->size[k] * factor[k];
 }
 
-/* From a face and from the next best. */
+/* From each of the faces. */
 static void try_factor(search *s, const hs_volume *v, const border *b, const double factor[3], int axis) {
     scale_border(s, b, factor);
-    for (int n = 0; n < (s->faces[1] == s->faces[0] ? 1 : 2); n++) {
+    for (int n = 0; n < s->face_count; n++) {
         double axes[9];
         hs_probe_axes(v, s->faces[n], axes);
         const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, axis, hopeless);
@@ -58,16 +59,30 @@ static double most_change(const double factor[3]) {
     return most;
 }
 
+static bool are_equal(const double a[3], const double b[3]) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* From any face: with other lengths along all axes, the one that it narrows to need not be among the best.
+ * Of a volume with two equal spacings, orders come twice. */
 static void try_orders(search *s, const hs_volume *v, const border *b) {
+    static const hs_probe any[HS_PROBE_COUNT] = {HS_PROBE_LOW_Z,  HS_PROBE_HIGH_Z, HS_PROBE_LOW_Y,
+                                                 HS_PROBE_HIGH_Y, HS_PROBE_LOW_X,  HS_PROBE_HIGH_X};
     static const int orders[5][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
+    double factors[5][3];
+    s->faces = any;
+    s->face_count = HS_PROBE_COUNT;
     for (int n = 0; n < 5; n++) {
-        double factor[3];
-        for (int k = 0; k < 3; k++) factor[k] = v->spacing[orders[n][k]] / v->spacing[k];
-        if (most_change(factor) > changed) try_factor(s, v, b, factor, -1);
+        bool is_new = true;
+        for (int k = 0; k < 3; k++) factors[n][k] = v->spacing[orders[n][k]] / v->spacing[k];
+        for (int m = 0; m < n; m++) is_new = is_new && !are_equal(factors[m], factors[n]);
+        if (is_new && most_change(factors[n]) > changed) try_factor(s, v, b, factors[n], -1);
     }
 }
 
-static void try_axes(search *s, const hs_volume *v, const border *b) {
+static void try_axes(search *s, const hs_volume *v, const border *b, const hs_probe faces[2]) {
+    s->faces = faces;
+    s->face_count = faces[1] == faces[0] ? 1 : 2;
     for (int axis = 0; axis < 3; axis++)
         for (size_t n = 0; n < sizeof first / sizeof *first; n++) {
             double factor[3] = {1.0, 1.0, 1.0};
@@ -80,7 +95,6 @@ bool hs_fan_find_scale(const hs_volume *v, const border *b, const hs_probe faces
                        double *room, double spacing[3]) {
     if (share > enough) return false;
     search s = {.points = malloc((size_t)HS_BORDER_MOST * sizeof *s.points),
-                .faces = faces,
                 .share = fmax(enough, share + better),
                 .factor = {1.0, 1.0, 1.0}};
     if (!s.points) return false;
@@ -88,7 +102,7 @@ bool hs_fan_find_scale(const hs_volume *v, const border *b, const hs_probe faces
     for (int turned = 0; turned < 2 && !s.found; turned++) {
         s.turned = turned == 1;
         try_orders(&s, v, b);
-        try_axes(&s, v, b);
+        try_axes(&s, v, b, faces);
     }
     free(s.points);
     if (!s.found || most_change(s.factor) <= changed) return false;

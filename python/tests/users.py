@@ -220,6 +220,8 @@ FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is
     "zero.mha": (lambda path, v: meta(path, v, "ElementSpacing = 0 0 0"), "ElementSpacing is '0 0 0', expected"),
     "comma.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1,25 1,25 2,5"), "is '1,25 1,25 2,5', expected"),
     "one_cm.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1.25 1.25 .25"), "12 mm along z: is the spacing"),
+    "transposed.mha": (
+        lambda path, v: written(np.ascontiguousarray(v.T), path), "As a fan this fits with 2.5 x 1.25 x 1.25 mm"),
     "noise.mha": (
         lambda path, v: meta(path, np.where(v, v, np.arange(v.size, dtype=np.uint8).reshape(v.shape) % 3 + 1), MM),
         "Its corners hold dark noise"),

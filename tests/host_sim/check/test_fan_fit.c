@@ -228,6 +228,31 @@ static void wrong_spacing_is_told(void **state) {
     }
 }
 
+/* The array of a library that counts [x, y, z], written by one that counts [z, y, x]. */
+static hs_volume transposed(const hs_volume *v) {
+    hs_volume out;
+    must(hs_volume_init(&out, v->nz, v->ny, v->nx, &err));
+    memcpy(out.spacing, v->spacing, sizeof out.spacing);
+    for (size_t n = 0, z = 0; z < v->nz; z++)
+        for (size_t y = 0; y < v->ny; y++)
+            for (size_t x = 0; x < v->nx; x++) out.voxels[(x * out.ny + y) * out.nx + z] = v->voxels[n++];
+    return out;
+}
+
+/* It keeps the spacing that it had, and is asked about, though the face that the scan narrows to is none of
+ * those that fit best with it. */
+static void a_transposed_scan_is_asked_about(void **state) {
+    hs_scene_data data = make_scene("D01", 96, 2, 0, 0);
+    double fits[3];
+    data.full.course = (hs_course){0};
+    thin_out(&data.full);
+    hs_volume v = transposed(&data.full);
+    const char *said = asked_of(&v, (const double[3]){1, 1, 1}, fits);
+    assert_string_equal(said, "As a fan this fits with 2.5 x 1.25 x 1.25 mm: is the spacing right? --spacing "
+                              "2.5,1.25,1.25");
+    hs_volume_free(&v);
+}
+
 /* A ball is none from any face, and tells nothing of its spacing. What narrows to the stated face and is no
  * fan with any one axis mended is a doubt. */
 static void a_stated_face_without_a_fan_is_doubted(void **state) {
@@ -346,5 +371,5 @@ static void real_scans(void **state) {
 
 UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts,
           an_apex_that_is_said_counts_where_nothing_is_found, others_are_none, oblique_box_is_parallel,
-          wrong_spacing_is_told, a_stated_face_without_a_fan_is_doubted, corners_of_one_level_are_asked_about,
-          black_fluid_was_scanned, real_scans)
+          wrong_spacing_is_told, a_transposed_scan_is_asked_about, a_stated_face_without_a_fan_is_doubted,
+          corners_of_one_level_are_asked_about, black_fluid_was_scanned, real_scans)
