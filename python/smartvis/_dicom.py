@@ -21,6 +21,8 @@ _CINE = ("1.2.840.10008.5.1.4.1.1.3", "1.2.840.10008.5.1.4.1.1.3.1")  # classes 
 _MADE_OF_ONE = ("1.2.840.10008.5.1.4.1.1.66.", "1.2.840.10008.5.1.4.1.1.30", "1.2.840.10008.5.1.4.1.1.481.")
 _ASKEW = 0.02  # of directions' products, which writers round
 _CENTIMETRES = 3  # of an ultrasound region's units
+_ROUNDED = 0.02  # of a length that is said twice
+_OTHERS = ("CT", "MR", "PT", "NM", "XA", "RF", "MG", "CR", "DX")  # modalities that are no ultrasound
 
 
 @dataclass
@@ -35,6 +37,8 @@ class Frame:
     in_patient: bool = False  #: place and directions are of the patient, not of the machine
     own: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None  #: both in the volume's own frame of reference
     pixel: tuple[float, float] | None = None  #: mm along a row, down a column
+    in_region: tuple[float, float] | None = None  #: the same by the ultrasound region, if there is one
+    modality: str = ""
     apart: float | None = None  #: mm between slices, as the file says it
     said: _transducer.Said | None = None  #: of the probe
     table: _pixels.Table | None = None  #: of the values that its pixels stand for
@@ -52,6 +56,7 @@ class Volume:
     direction: NDArray[np.float64]  #: columns
     in_patient: bool
     probe: _transducer.Probe = _transducer.UNKNOWN
+    told: str = ""  #: what a user may take otherwise than we do, in sentences
 
 
 _PICTURES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"}  # what slices are saved as
@@ -111,6 +116,7 @@ def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame
         _where(frame, layers)
         _how_large(frame, layers)
         _which(frame, layers, index)
+        frame.modality = str(data.get("Modality", ""))
         frame.said, frame.table = said, table
         directions = () if frame.across is None else tuple(np.round(frame.across.ravel(), 4))
         out.append(((series if count == 1 else str(path), frame.size, directions), frame))
@@ -156,16 +162,25 @@ def _how_large(frame: Frame, layers: Sequence[Any]) -> None:
     pixel = _numbers(_first(layers, "PixelMeasuresSequence", "PixelSpacing"), 2)
     for name in ("ImagerPixelSpacing", "NominalScannedPixelSpacing"):  # of secondary captures
         pixel = _numbers(layers[-1].get(name), 2) if pixel is None else pixel
-    regions = layers[-1].get("SequenceOfUltrasoundRegions")
-    if pixel is None and regions and len(regions) == 1:
-        region = regions[0]
-        if _CENTIMETRES == region.get("PhysicalUnitsXDirection") == region.get("PhysicalUnitsYDirection"):
-            pixel = np.abs([10 * float(region.PhysicalDeltaY), 10 * float(region.PhysicalDeltaX)])
+    frame.in_region = _of_region(layers[-1].get("SequenceOfUltrasoundRegions"))
+    if pixel is None and frame.in_region:
+        pixel = np.array(frame.in_region[::-1])
     if pixel is not None and (pixel > 0).all():
         frame.pixel = (float(pixel[1]), float(pixel[0]))
     apart = _first(layers, "PixelMeasuresSequence", "SpacingBetweenSlices")  # how thick they are says nothing of it
     if apart is not None and float(apart) > 0:
         frame.apart = float(apart)
+
+
+def _of_region(regions: Any) -> tuple[float, float] | None:
+    """mm of a pixel by a picture's only ultrasound region."""
+    if not regions or len(regions) != 1:
+        return None
+    region = regions[0]
+    if not _CENTIMETRES == region.get("PhysicalUnitsXDirection") == region.get("PhysicalUnitsYDirection"):
+        return None
+    lengths = abs(10 * float(region.PhysicalDeltaX)), abs(10 * float(region.PhysicalDeltaY))
+    return lengths if all(lengths) else None
 
 
 def _which(frame: Frame, layers: Sequence[Any], index: int) -> None:
@@ -244,7 +259,30 @@ def _volume(frames: list[Frame], name: str, placed: bool = True) -> Volume:
     first, last = frames[0].own, frames[-1].own
     if placed and frames[0].said and first and last and spacing:
         probe = frames[0].said.seen(first, last[0] - first[0], spacing, (*frames[0].size, len(frames)))
-    return Volume(name, frames, spacing, origin, direction, placed and frames[0].in_patient, probe)
+    told = _said_twice(frames[0], apart if placed else None)
+    return Volume(name, frames, spacing, origin, direction, placed and frames[0].in_patient, probe, told)
+
+
+def _said_twice(frame: Frame, apart: float | None) -> str:
+    """What its header says otherwise in another place, and which counts. `apart`: mm by the planes' places."""
+
+    def differ(one: Sequence[float], other: Sequence[float]) -> bool:
+        return any(abs(a - b) > _ROUNDED * max(a, b) for a, b in zip(one, other, strict=True))
+
+    told = []
+    if frame.pixel and frame.in_region and differ(frame.pixel, frame.in_region):
+        (x, y), (region_x, region_y) = frame.pixel, frame.in_region
+        told.append(
+            f"Its pixels are {x:.4g} x {y:.4g} mm large, by its ultrasound region {region_x:.4g} x {region_y:.4g}: the "
+            "first counts."
+        )
+    if frame.apart and apart and differ([frame.apart], [apart]):
+        told.append(
+            f"SpacingBetweenSlices says {frame.apart:.4g} mm, the places of its planes {apart:.4g}: the places count."
+        )
+    if frame.modality in _OTHERS:
+        told.append(f"Its modality is {frame.modality}: it is no ultrasound.")
+    return " ".join(told)
 
 
 def _evenly(frames: list[Frame]) -> float:

@@ -304,6 +304,7 @@ class Reader:
         image.SetSpacing(volume.spacing or (1.0, 1.0, 1.0))
         image.SetOrigin(volume.origin.tolist())
         image.SetDirection(volume.direction.ravel().tolist())
+        self._told = [volume.told]
         if volume.spacing is None:
             image.SetMetaData(_images.NOT_SAID, "1")
         if volume.probe.side is not None:

@@ -71,6 +71,18 @@ def changed(path: Path, voxels: np.ndarray, *how: Callable[[Any], None], **field
     data.save_as(path)
 
 
+def region(delta: float) -> Any:
+    """An ultrasound region of a whole picture, with pixels of `delta` cm."""
+    import pydicom
+
+    made = pydicom.Dataset()
+    made.RegionLocationMinX0 = made.RegionLocationMinY0 = 0
+    made.RegionLocationMaxX1 = made.RegionLocationMaxY1 = 95
+    made.PhysicalUnitsXDirection = made.PhysicalUnitsYDirection = 3
+    made.PhysicalDeltaX = made.PhysicalDeltaY = delta
+    return made
+
+
 def ybr_of(grey: np.ndarray) -> np.ndarray:
     return np.stack([grey, np.full_like(grey, 128), np.full_like(grey, 128)], -1)
 

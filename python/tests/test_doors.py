@@ -20,7 +20,7 @@ import SimpleITK as sitk
 from conftest import BUILD, LONG, SOURCE, host
 from makers import written
 from pyigtl.messages import ImageMessage
-from users import FURTHER, NAMES, PLACED, RIGHT, SAID
+from users import FURTHER, NAMES, PLACED, RIGHT, SAID, TOLD
 
 import smartvis
 from smartvis._files import Source
@@ -59,6 +59,7 @@ ALL: dict[str, tuple[Any, str]] = {
     **{name: (make, "") for name, make in RIGHT.items() if name not in ALONE},
     **{name: (make, words) for name, (make, _, words) in SAID.items() if name not in ALONE},
     **PLACED,
+    **TOLD,
     **NAMES,
     **{name: (the_users, words) for name, words in USERS.items() if CASES.is_dir()},
 }
@@ -74,7 +75,7 @@ def by_day(name: str) -> bool:
 
 
 ROWS = {name: row for name, row in ALL.items() if by_day(name) != NIGHT or name == "plain.mha"}
-NOT_SENT = ("left.nrrd", "letters.mha", "two.nii", "far.dcm")  # what a message does not hold
+NOT_SENT = ("left.nrrd", "letters.mha", "two.nii", "far.dcm", *TOLD)  # what a message does not hold
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ import tifffile
 from conftest import LONG, host
 from makers import SPACING, nrrd, written
 from makers_dicom import by_table
-from users import NAMES, RIGHT, SAID, expected
+from users import NAMES, RIGHT, SAID, TOLD, expected
 
 import smartvis
 from smartvis import _content, _images, _process
@@ -77,6 +77,14 @@ def test_what_is_not_so_is_said(tmp_path: Path, scan: np.ndarray, name: str, cap
         assert main([*command, "--spacing", "1.25,1.25,2.5"]) == 0
         told = "".join(capsys.readouterr())
         assert words not in told and " mm on average" in told
+
+
+@pytest.mark.parametrize("name", TOLD)
+def test_which_of_two_truths_counts_is_told(tmp_path: Path, scan: np.ndarray, name: str) -> None:
+    make, words = TOLD[name]
+    make(tmp_path / name, scan)
+    image = Source(tmp_path / name).read()
+    assert _images.said(image).told == words and np.allclose(image.GetSpacing(), SPACING)
 
 
 @pytest.mark.parametrize("suffix", [".nrrd", ".mha", ".nii.gz"])

@@ -30,6 +30,7 @@ from makers import (
 )
 from makers_dicom import (
     by_table,
+    changed,
     coloured,
     enhanced,
     far_probe,
@@ -38,6 +39,7 @@ from makers_dicom import (
     lossy,
     packed_by,
     palette,
+    region,
     series,
     stored,
     transferred,
@@ -206,6 +208,16 @@ PLACED: dict[str, tuple[Make, str]] = {  # where the volume lies, and where the 
     "far.dcm": (far_probe, "a fan from +z: lines from"),
     "flow.dcm": (with_flow, ""),
     "lossy.dcm": (lossy, "Its corners hold dark noise"),
+}  # fmt: skip
+TOLD: dict[str, tuple[Make, str]] = {  # two truths in a file, and which counts; what is no scan of ours
+    "region.dcm": (
+        lambda path, v: changed(path, v, SequenceOfUltrasoundRegions=[region(0.0625)]),
+        "Its pixels are 1.25 x 1.25 mm large, by its ultrasound region 0.625 x 0.625: the first counts."),
+    "apart.dcm": (
+        lambda path, v: changed(path, v, lambda data: setattr(
+            data.SharedFunctionalGroupsSequence[0].PixelMeasuresSequence[0], "SpacingBetweenSlices", 1.0)),
+        "SpacingBetweenSlices says 1 mm, the places of its planes 2.5: the places count."),
+    "mr.dcm": (lambda path, v: changed(path, v, Modality="MR"), "Its modality is MR: it is no ultrasound."),
 }  # fmt: skip
 FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is said, "": it is clipped as it is
     "plain.mha": (lambda path, v: meta(path, v, MM), ""),
