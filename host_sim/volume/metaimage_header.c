@@ -68,8 +68,29 @@ static bool check_dims(const hs_met_text *p, hs_met_header *h) {
     return true;
 }
 
+static bool check_unit(const hs_met_text *p, hs_met_header *h) {
+    static const struct {
+        const char *name;
+        double mm;
+    } units[] = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}, {"um", 0.001}, {"?", 1.0}};
+    h->unit = 1.0;
+    if (!hs_met_has(p, HS_MET_F_DISTANCE_UNITS)) return true;
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (strcasecmp(p->fields[HS_MET_F_DISTANCE_UNITS].value, units[i].name) == 0) {
+            h->unit = units[i].mm;
+            return true;
+        }
+    return hs_met_bad_value(p, HS_MET_F_DISTANCE_UNITS, "mm, cm, m, um or ?");
+}
+
 #define MIN_SPACING 1e-6 /* mm: below and above, sizes are no longer numbers in single precision */
 #define MAX_SPACING 1e6
+
+static bool read_length(const char **text, double unit, double *mm) {
+    const bool is_number = hs_met_number(text, mm);
+    *mm *= unit;
+    return is_number;
+}
 
 /* One number an axis. In four dimensions the last is no length, and some programs leave it out. */
 static bool check_spacing(const hs_met_text *p, hs_met_header *h) {
@@ -81,7 +102,7 @@ static bool check_spacing(const hs_met_text *p, hs_met_header *h) {
     const char *text = p->fields[id].value;
     double rest;
     for (int axis = 0; axis < 3; axis++)
-        if (!hs_met_number(&text, &h->spacing[axis]) || h->spacing[axis] < MIN_SPACING ||
+        if (!read_length(&text, h->unit, &h->spacing[axis]) || h->spacing[axis] < MIN_SPACING ||
             h->spacing[axis] > MAX_SPACING)
             return hs_met_bad_value(p, id, "three numbers above 0 (mm), 1e-6 .. 1e6");
     if (h->dims == 4 && !hs_met_at_end(text) && !hs_met_number(&text, &rest))
@@ -228,13 +249,16 @@ static bool read_directions(const hs_met_text *text, uint64_t dims, hs_pose *pos
                                      "three directions of length 1 at right angles to each other");
 }
 
-static bool read_offset(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
+static bool read_offset(const hs_met_text *text, uint64_t dims, double unit, hs_pose *pose) {
     double file[4] = {0};
     uint64_t found;
     if (!hs_met_has(text, HS_MET_F_OFFSET)) return true;
     if (!read_numbers(text->fields[HS_MET_F_OFFSET].value, dims, 3, file, &found))
         return hs_met_bad_value(text, HS_MET_F_OFFSET, dims == 3 ? "3 numbers (mm)" : "4 numbers, or 3 (mm)");
-    memcpy(pose->origin, file, sizeof pose->origin);
+    for (int axis = 0; axis < 3; axis++) {
+        pose->origin[axis] = file[axis] * unit;
+        if (!isfinite(pose->origin[axis])) return hs_met_bad_value(text, HS_MET_F_OFFSET, "smaller numbers");
+    }
     return true;
 }
 
@@ -244,7 +268,7 @@ static bool read_offset(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
  * the identity, which ITK writes for whatever says nothing, or the letters are ???, or a result of ours says
  * that nobody knew.
  */
-static bool check_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
+static bool check_pose(const hs_met_text *text, uint64_t dims, double unit, hs_pose *pose) {
     const bool has_matrix = hs_met_has(text, HS_MET_F_TRANSFORM);
     const char *letters =
         hs_met_has(text, HS_MET_F_ANATOMICAL) ? text->fields[HS_MET_F_ANATOMICAL].value : "";
@@ -252,7 +276,8 @@ static bool check_pose(const hs_met_text *text, uint64_t dims, hs_pose *pose) {
         hs_met_has(text, HS_MET_F_NOTES) && strcmp(text->fields[HS_MET_F_NOTES].value, HS_MET_UNPLACED) == 0;
     char spatial[4] = "", own[4];
     hs_pose_default(pose);
-    if ((has_matrix && !read_directions(text, dims, pose)) || !read_offset(text, dims, pose)) return false;
+    if ((has_matrix && !read_directions(text, dims, pose)) || !read_offset(text, dims, unit, pose))
+        return false;
     pose->stated = has_matrix && !hs_pose_is_identity(pose) && *letters != '?' && !is_unplaced;
     if (*letters == '?' || *letters == '\0') return true;
     /* In four dimensions the fourth letter says nothing about space. */
@@ -298,9 +323,9 @@ bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) 
     memset(header, 0, sizeof *header);
     bool ok = hs_met_text_read(&text, path, err);
     header->local_start = text.bytes;
-    ok = ok && check_dims(&text, header) && check_spacing(&text, header) && check_type(&text, header) &&
-         check_encoding(&text, header) && check_data_file(&text, header) &&
-         check_pose(&text, header->dims, &header->pose) &&
+    ok = ok && check_dims(&text, header) && check_unit(&text, header) && check_spacing(&text, header) &&
+         check_type(&text, header) && check_encoding(&text, header) && check_data_file(&text, header) &&
+         check_pose(&text, header->dims, header->unit, &header->pose) &&
          check_probe(&text, &header->probe, &header->probe_stated);
     ok = ok &&
          hs_met_kinds(&text, header->dims, header->spacing[2] != 1.0 || header->pose.origin[2] != 0.0) &&

@@ -21,6 +21,7 @@ enum { HS_MET_SHOWN_BYTES = 64 }; /* of a value in a message */
     X(ELEMENT_TYPE, "ElementType")                                                                           \
     X(ELEMENT_SPACING, "ElementSpacing")                                                                     \
     X(ELEMENT_SIZE, "ElementSize")                                                                           \
+    X(DISTANCE_UNITS, "DistanceUnits")                                                                       \
     X(CHANNELS, "ElementNumberOfChannels")                                                                   \
     X(BINARY, "BinaryData")                                                                                  \
     X(BINARY_MSB, "BinaryDataByteOrderMSB")                                                                  \
@@ -113,6 +114,7 @@ typedef struct {
     uint32_t frames;         /* volumes: 1 if dims is 3 */
     char size_text[48];      /* "4 3 2", as DimSize says it */
     hs_frame_fields *fields; /* of every volume; NULL: the file says nothing about them */
+    double unit;             /* mm of the file's unit of length */
     double spacing[3];       /* mm; 1 if not stated */
     bool spacing_stated;
     uint32_t channels; /* of a voxel, 1, 3 or 4; those of grey are alike, a fourth may be anything */

@@ -28,8 +28,9 @@ def _millimetres(path: Path, unit: str) -> float:
 
 
 def unit(path: Path, fields: dict[str, str]) -> float:
-    """mm of a NRRD's unit of space. ITK takes it for 1."""
+    """mm of a NRRD's unit of space, or a MetaImage's. ITK takes it for 1."""
     given = re.findall(r'"([^"]*)"', fields.get("spaceunits", fields.get("units", "")))
+    given = given or [fields.get("distanceunits", "")]
     units = {_millimetres(path, unit) for unit in given[:3] if unit.strip("? ")}
     if len(units) > 1:
         raise FileError(f"{path}: its axes have different units, {', '.join(given)}")

@@ -78,8 +78,8 @@ class Reader:
         self._nifti = _nifti.header(self.path) if _content.is_nifti(self.path) else None
         self._check_scan()
         _geometry.check_marks(self.path, self._fields)
-        self._scale = _geometry.unit(self.path, self._fields)
         self._ask_host()
+        self._scale = _geometry.unit(self.path, self._fields)
         self._patched = _geometry.patched(self.path, self._fields)
         reader = self._reader = sitk.ImageFileReader()
         reader.SetFileName(self._patched.name if self._patched else str(self.path))

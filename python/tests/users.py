@@ -226,6 +226,11 @@ FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is
     "deep.nrrd": (deep, ""),
     "signed.mha": (lambda path, v: meta(path, np.where(v, v.astype("<i2"), -32768), MM, kind="MET_SHORT"), ""),
     "most.mha": (lambda path, v: meta(path, np.where(v, v.astype("<u2") * 8, 4095), MM, kind="MET_USHORT"), ""),
+    "said_cm.mha": (
+        lambda path, v: meta(path, v, "ElementSpacing = .125 .125 .25", "DistanceUnits = cm"), ""),
+    "furlong.mha": (
+        lambda path, v: meta(path, v, MM, "DistanceUnits = furlong"),
+        ":4: DistanceUnits is 'furlong', expected mm, cm, m, um or ?"),
     "cm.mha": (lambda path, v: meta(path, v, "ElementSpacing = .125 .125 .25"), "its spacing in centimetres?"),
     "um.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1250 1250 2500"), "its spacing in micrometres?"),
     "uneven.mha": (lambda path, v: meta(path, v, "ElementSpacing = .1 .1 2.5"), "times as long as another"),

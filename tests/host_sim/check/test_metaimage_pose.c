@@ -66,6 +66,8 @@ static void directions_and_offsets_are_taken_as_they_are(void **state) {
     }
     hs_volume v = read_lines("Offset = 1 2 3 4\nElementSpacing = 1 2 3 0.05\n", 4);
     assert_true(v.pose.origin[2] == 3 && v.spacing[2] == 3);
+    v = read_lines("DistanceUnits = cm\nOffset = 1 2 3\nElementSpacing = 1 2 3\n", 3);
+    assert_true(v.pose.origin[2] == 30 && v.spacing[2] == 30);
 }
 
 static void the_probe_stands_where_the_near_end_is(void **state) {
@@ -130,6 +132,12 @@ static void every_rule_has_a_file_on_either_side(void **state) {
         {3, "ElementSpacing = 1 1 1mm\n", "three numbers above 0 (mm)", "ElementSpacing = 1 1 1 \n"},
         {4, "ElementSpacing = 1 1 1 x\n", "a fourth number", "ElementSpacing = 1 1 1\n"},
         {4, "ElementSpacing = 1 1 1 1 1\n", "as many numbers as NDims", "ElementSpacing = 1 1 1 0\n"},
+        {3, "DistanceUnits = furlong\n", "DistanceUnits is 'furlong', expected mm, cm, m, um or ?",
+         "DistanceUnits = MM\n"},
+        {3, "DistanceUnits = m\nElementSpacing = 1 1 1e4\n", "1e-6 .. 1e6",
+         "DistanceUnits = m\nElementSpacing = 1 1 999\n"},
+        {3, "DistanceUnits = m\nOffset = 1 2 1e307\n", "smaller numbers",
+         "DistanceUnits = ?\nOffset = 1 2 1e307\n"},
         {3, "Offset = 1 2 3\nOrigin = 1 2 3\n", ":4: Origin is given a second time, first in line 3",
          "Offset = 1 2 3\nCenterOfRotation = 1 2 3\n"},
         {3, "TransformMatrix = 1 0 0 0 1 0 0 0 1\nRotation = 1 0 0 0 1 0 0 0 1\n",
