@@ -63,6 +63,8 @@ static bool ends_with(const char *path, const char *ending) {
 }
 
 static const char python_reads[] = "'smartvis clip' of the Python package reads it";
+static const char save_as[] = "save it as one of these", fetch[] = "fetch the file itself";
+static const char packed[] = "a file compressed as a whole", unpack[] = "unpack it first";
 
 /* What a file is by its first bytes, as in "FILE: is FORMAT", and what helps. */
 static const struct {
@@ -76,19 +78,45 @@ static const struct {
     MARK("# vtk", "a VTK file", python_reads),
     MARK("II*\0", "a TIFF file", python_reads),
     MARK("MM\0*", "a TIFF file", python_reads),
+    MARK("II+\0", "a TIFF file", python_reads),
+    MARK("MM\0+", "a TIFF file", python_reads),
     MARK("\x89PNG", "a picture", "one file has all slices of a volume"),
     MARK("\xff\xd8\xff", "a picture", "one file has all slices of a volume"),
+    MARK("BM", "a picture", "one file has all slices of a volume"),
+    MARK("\x89HDF", "an HDF5 file", save_as),
+    MARK("\x93NUMPY", "an array of NumPy", save_as),
+    MARK("%PDF", "a PDF document", fetch),
+    MARK("\xff\xfe", "text in UTF-16", "save it as plain text"),
+    MARK("\xfe\xff", "text in UTF-16", "save it as plain text"),
+    MARK("\xef\xbb\xbf", "text with a byte order mark", "save it without one"),
+    MARK("BZh", packed, unpack),
+    MARK("\xfd"
+         "7zXZ",
+         packed, unpack),
+    MARK("7z\xbc\xaf", packed, unpack),
+    MARK("\x28\xb5\x2f\xfd", packed, unpack),
+    MARK("Rar!", packed, unpack),
+    MARK("PK\3\4", packed, unpack),
     MARK("KRETZFILE", "a Kretz file", "labels and maps come in no other format"),
     MARK("\0\5\x16\7", "what macOS keeps beside a file", "the file itself is called so without ._ in front"),
     MARK("version https://git-lfs", "a pointer of Git LFS", "'git lfs pull' brings the file"),
 };
 
-static bool is_web_page(const uint8_t *head, size_t bytes) {
+/* Of text, whatever spaces it begins with; NULL: none that is known. */
+static const char *markup_of(const uint8_t *head, size_t bytes) {
+    static const char *const begins[][2] = {{"<!doctype html", "a web page"},
+                                            {"<html", "a web page"},
+                                            {"<VTKFile", "a file in VTK's XML format"},
+                                            {"<?xml", "XML"},
+                                            {"{", "JSON"}};
     size_t at = 0;
     while (at < bytes && isspace(head[at])) at++;
-    const char *text = (const char *)head + at;
-    return (bytes - at >= 14 && strncasecmp(text, "<!doctype html", 14) == 0) ||
-           (bytes - at >= 5 && strncasecmp(text, "<html", 5) == 0);
+    for (size_t i = 0; i < sizeof begins / sizeof *begins; i++) {
+        const size_t length = strlen(begins[i][0]);
+        if (bytes - at >= length && strncasecmp((const char *)head + at, begins[i][0], length) == 0)
+            return begins[i][1];
+    }
+    return NULL;
 }
 
 /* The format that the first bytes are of, and what helps; NULL: none that is known. */
@@ -105,8 +133,8 @@ static const char *format_of(const char *path, const uint8_t *head, size_t bytes
         *how = "'smartvis clip' of the Python package reads it, or a folder with its series";
         return "a DICOM file";
     }
-    *how = "fetch the file itself";
-    return is_web_page(head, bytes) ? "a web page" : NULL;
+    *how = fetch;
+    return holds(head, bytes, 4, "ftyp", 4) ? "a video" : markup_of(head, bytes);
 }
 
 /* True, with HS_ERR_INPUT, if there is nothing, or the first bytes are those of something else, also
@@ -121,8 +149,8 @@ static bool is_foreign(const char *path, const char *head_text, size_t bytes, hs
     }
     const char *how, *format = format_of(path, head, bytes, &how);
     if (!format && (empty || head == inner)) {
-        format = empty ? "empty" : "a file compressed as a whole";
-        how = empty ? "copy it anew" : "unpack it first";
+        format = empty ? "empty" : packed;
+        how = empty ? "copy it anew" : unpack;
     }
     return format && !hs_fail(err, HS_ERR_INPUT, "%s: is %s; host_sim reads MetaImage (.mha, .mhd): %s", path,
                               format, how);

@@ -23,7 +23,7 @@ _NAMES = {  # of a format: the endings that SimpleITK knows it by; a file of ano
     "VTK": (".vtk",),
 }
 _NEVER = {  # what is read under no name, and why
-    "gzip": "it is compressed as a whole: unpack it first",
+    "packed": "it is compressed as a whole: unpack it first",
     "NIfTI-2": "it is NIfTI-2, which is not read here: save it as NIfTI-1",
     "Analyze": "it is Analyze 7.5, which does not say where left is: save it as NIfTI",
     "companion": "it is what macOS keeps beside a file, not the file: that is called so without ._ in front",
@@ -31,6 +31,15 @@ _NEVER = {  # what is read under no name, and why
     "page": "it is a web page, perhaps of a download that failed",
     "zip": "it is a zip archive: unpack it first",
     "picture": "it is a picture: one file has all slices of a volume",
+    "video": "it is a video, not a volume",
+    "HDF5": "it is HDF5, as MINC and NetCDF are, which is not read here: save it as NRRD",
+    "NumPy": "it is an array of NumPy, which says no spacing: save it as NRRD",
+    "VTK's XML": "it is VTK's XML format, which is not read here: save it in the legacy format, or as NRRD",
+    "XML": "it is XML, perhaps an answer that a server sent instead of the file",
+    "JSON": "it is JSON, perhaps an answer that a server sent instead of the file",
+    "PDF": "it is a PDF document",
+    "UTF-16": "it is text in UTF-16: save it as plain text",
+    "mark": "it begins with a byte order mark, as no header does: save it without one",
     "DICOM": "it is DICOM without its preamble: dcmconv of DCMTK writes one",
     "nothing": "the file is empty",
 }
@@ -39,6 +48,16 @@ _MARKS = (
     (rb"\x00\x05\x16\x07", "companion"),
     (rb"version https://git-lfs", "pointer"),
     (rb"\s*<(?i:!doctype html|html)", "page"),
+    (rb"\s*(<\?xml[^>]*>\s*)?<VTKFile", "VTK's XML"),
+    (rb"\s*<\?xml", "XML"),
+    (rb"\s*\{", "JSON"),
+    (rb"\x89HDF", "HDF5"),
+    (rb"\x93NUMPY", "NumPy"),
+    (rb"%PDF", "PDF"),
+    (rb"\xff\xfe|\xfe\xff", "UTF-16"),
+    (rb"\xef\xbb\xbf", "mark"),
+    (rb"BZh|\xfd7zXZ|7z\xbc\xaf|\x28\xb5\x2f\xfd|Rar!", "packed"),
+    (rb"....ftyp", "video"),
     (rb"PK\x03\x04", "zip"),
     (rb"\x89PNG|\xff\xd8\xff|BM", "picture"),
     (rb"II[*+]\x00|MM\x00[*+]", "TIFF"),
@@ -80,7 +99,7 @@ def _kind(path: Path, head: bytes) -> str:
     inside = _of_bytes(path, _unpacked(head))
     if inside == "NIfTI":
         return "NIfTI in gzip"
-    return inside if inside in ("NIfTI-2", "Analyze") else "gzip"
+    return inside if inside in ("NIfTI-2", "Analyze") else "packed"
 
 
 def _unpacked(head: bytes) -> bytes:

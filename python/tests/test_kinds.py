@@ -21,6 +21,7 @@ from users import NAMES, RIGHT, SAID, TOLD, expected
 
 import smartvis
 from smartvis import _content, _images, _process
+from smartvis._errors import FileError
 from smartvis._files import Source
 from smartvis.cli import main
 
@@ -39,6 +40,41 @@ def test_a_name_that_is_not_the_content_is_told_as_such(tmp_path: Path, scan: np
     assert words in told and told.count("\n") == 1 and "itk" not in told, told
     if name == "._a.mha":
         assert "is what macOS keeps beside a file" in host("info", tmp_path / name)[1]
+
+
+HEADS = {  # first bytes, and what they are by the machine and by Python
+    b"BZh91AY&SY": "compressed as a whole",
+    b"\xfd7zXZ\0\0": "compressed as a whole",
+    b"7z\xbc\xaf\x27\x1c": "compressed as a whole",
+    b"\x28\xb5\x2f\xfd\0": "compressed as a whole",
+    b"Rar!\x1a\7": "compressed as a whole",
+    b"\x1f\x8b\x08\0": "compressed as a whole",
+    b"\x89HDF\r\n\x1a\n": "HDF5",
+    b"\x93NUMPY\1\0": "array of NumPy",
+    b"%PDF-1.7\n": "a PDF document",
+    b"\xff\xfeN\0D\0": "text in UTF-16",
+    b"\xfe\xff\0N\0D": "text in UTF-16",
+    b"\xef\xbb\xbfNDims = 3\n": "a byte order mark",
+    b"\0\0\0\x20ftypisom": "a video",
+    b"BM\0\0": "a picture",
+    b"\x89PNG": "a picture",
+    b'\n<?xml version="1.0"?>\n<Error/>': "XML",
+    b'<VTKFile type="ImageData">': "VTK's XML format",
+    b' {"error": "not found"}': "JSON",
+    b"<!DOCTYPE html>": "a web page",
+    b"version https://git-lfs.github.com": "a pointer of Git LFS",
+    b"\0\5\x16\7": "what macOS keeps beside a file",
+}
+
+
+@pytest.mark.parametrize("head", HEADS)
+def test_what_is_no_volume_is_named_by_machine_and_package(tmp_path: Path, head: bytes) -> None:
+    for name in ("scan.mha", "scan.nrrd", "scan.nii"):
+        (tmp_path / name).write_bytes(head + bytes(400))
+        with pytest.raises(FileError, match=HEADS[head]):
+            _content.check(tmp_path / name)
+    code, told = host("info", tmp_path / "scan.mha")
+    assert code == 3 and f"{tmp_path / 'scan.mha'}: is " in told and HEADS[head] in told, told
 
 
 @pytest.fixture(scope="module")

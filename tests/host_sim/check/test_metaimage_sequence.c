@@ -221,6 +221,10 @@ static void other_formats_are_named(void **state) {
         {"h.mha", "version https://git-lfs.github.com/spec/v1\n", 43, "is a pointer of Git LFS"},
         {"h.mha", "\n<!DOCTYPE html>\n", 17, "is a web page"},
         {"h.mha", "<HTML>", 6, "is a web page"},
+        {"h.mha", " {\"error\": 404}", 15, "is JSON"},
+        {"h.mha", "\0\0\0 ftypisom", 12, "is a video"},
+        {"h.mha", "\xef\xbb\xbfNDims = 3\n", 13, "is text with a byte order mark"},
+        {"h.mha", "7z\xbc\xaf\x27\x1c", 6, "is a file compressed as a whole"},
         {"h.mha", "", 0, "is empty; host_sim reads MetaImage (.mha, .mhd): copy it anew"},
         /* Just not: the size alone, the mark elsewhere, a text that begins like one. */
         {"e.mha", analyze, sizeof analyze, "this is no MetaImage header"},
