@@ -58,15 +58,16 @@ def two_places(head: Header, image: Any) -> str:
     if head.qform is None or head.sform is None or not np.isfinite([head.qform, head.sform]).all():
         return ""
     q, s = (_directions(place) for place in (head.qform, head.sform))
+    mirrored = np.linalg.det(q) * np.linalg.det(s) < 0
     angle = math.degrees(math.acos(min(1.0, max(-1.0, (np.trace(q.T @ s) - 1) / 2))))
     far = float(np.linalg.norm(head.qform[:, 3] - head.sform[:, 3]))
-    if angle < _TURNED and far < _APART:
+    if not mirrored and angle < _TURNED and far < _APART:
         return ""
     here = np.diag([-1, -1, 1]) @ np.reshape(image.GetDirection(), (-1, 3))[:3]
     is_q = np.abs(here - q).max() < np.abs(here - s).max() or (angle < _TURNED and _starts_at(head.qform, image))
     counts = "qform counts, as in ITK and 3D Slicer; nibabel, and what stands on it, takes the sform"
     return (
-        f"Its qform and its sform disagree, by {angle:.3g} degrees and {far:.3g} mm at the first voxel: the "
+        f"Its qform and its sform disagree, {'one is the mirror image of the other' if mirrored else how}: the "
         f"{counts if is_q else 'sform counts, as in ITK, 3D Slicer and nibabel'}."
     )
 

@@ -132,6 +132,15 @@ def big_endian(path: Path, voxels: np.ndarray) -> None:
 
 def beat(path: Path, voxels: np.ndarray) -> None:
     """Two volumes in a file beside the header."""
+def mirrored(path: Path, voxels: np.ndarray) -> None:
+    """A NIfTI whose sform has x the other way round than its qform."""
+    placed(path, voxels, np.diag([-1.0, -1.0, 1.0]).ravel())
+    data = bytearray(path.read_bytes())
+    rows = np.array([[-1.0, 0, 0, 10], [0, 1, 0, -20], [0, 0, 1, 30]]) * (*SPACING, 1)
+    data[252:256], data[280:328] = struct.pack("<2h", 1, 2), rows.astype("<f4").tobytes()
+    path.write_bytes(data)
+
+
     meta(path, voxels[:0], f"{MM} 1", frames=2)
     data = path.with_suffix(".raw")
     path.write_bytes(path.read_bytes().replace(b"LOCAL", data.name.encode()))

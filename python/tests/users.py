@@ -17,6 +17,7 @@ from makers import (
     in_members,
     labelled,
     meta,
+    mirrored,
     named,
     nifti,
     nrrd,
@@ -249,3 +250,6 @@ FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is
     "beat.mhd": (beat, ""),
     "probe.vol": (fan, ""),
 }  # fmt: skip
+    "mirrored.nii": (
+        mirrored, ("Its qform and its sform disagree, one is the mirror image of the other: the qform counts, as in "
+                   "ITK and 3D Slicer; nibabel, and what stands on it, takes the sform.")),
