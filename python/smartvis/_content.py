@@ -72,6 +72,11 @@ def is_nifti(path: Path) -> bool:
     return path.name.lower().endswith(_NAMES["NIfTI"] + _NAMES["NIfTI in gzip"])
 
 
+def is_tiff(path: Path) -> bool:
+    """By its name."""
+    return path.name.lower().endswith(_NAMES["TIFF"])
+
+
 def check(path: Path) -> None:
     """FileError for what the name does not say: another format, or one that is not read. Of a file that is nothing
     known its reader says why."""
@@ -159,10 +164,16 @@ def pages_of_tiff(path: Path) -> Iterator[int]:
 
 
 def _check_vtk(path: Path) -> None:
-    """FileError: its values belong to cells. SimpleITK takes them for those of points, of which each row has one
-    more."""
+    """FileError: no image, or its values belong to cells, which SimpleITK takes for those of points, of which each row
+    has one more."""
     with open(path, "rb") as file:
-        first = re.search(rb"^(POINT|CELL)_DATA", file.read(_HEAD), re.MULTILINE | re.IGNORECASE)
+        head = file.read(_HEAD)
+    kind = re.search(rb"^DATASET\s+(\w+)", head, re.MULTILINE | re.IGNORECASE)
+    if kind and kind[1].upper() != b"STRUCTURED_POINTS":
+        raise FileError(f"{path}: its dataset is {kind[1].decode()}, expected STRUCTURED_POINTS")
+    if re.search(rb"^POINT_DATA\s+\d+\s+FIELD", head, re.MULTILINE | re.IGNORECASE):
+        raise FileError(f"{path}: its values are in a FIELD, expected SCALARS")
+    first = re.search(rb"^(POINT|CELL)_DATA", head, re.MULTILINE | re.IGNORECASE)
     if first and first[1].upper() == b"CELL":
         raise FileError(
             f"{path}: its values belong to cells (CELL_DATA), which are read as points elsewhere: save them as "

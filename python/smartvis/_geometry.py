@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import tempfile
@@ -16,6 +17,8 @@ from ._errors import FileError
 
 _UNITS = {"mm": 1.0, "millimeter": 1.0, "millimetre": 1.0, "cm": 10.0, "centimeter": 10.0, "m": 1e3, "meter": 1e3}
 _UNITS |= dict.fromkeys(("um", "µm", "\u03bcm", "micron", "micrometer"), 1e-3) | {"nm": 1e-6, "in": 25.4, "inch": 25.4}
+
+_NO_UNITS = ("", "pixel", "pixels", "voxel", "none", "reference frame")  # of ImageJ and OME, where nobody knows
 
 
 def _millimetres(path: Path, unit: str) -> float:
@@ -38,11 +41,57 @@ def unit(path: Path, fields: dict[str, str]) -> float:
 
 
 def check_marks(path: Path, fields: dict[str, str]) -> None:
-    """FileError for a NRRD's numbers with a comma as decimal mark: of spacings ITK reads what stands before it."""
+    """FileError for a NRRD's numbers with a comma as decimal mark: of spacings ITK reads what stands before it; and for
+    a space with time."""
     apart, vectors = fields.get("spacings", ""), fields.get("spacedirections", "")
+    space = fields.get("space", "")
+    if re.search(r"time$|^[lr][ap]st$", space.lower()) or fields.get("spacedimension") == "4":
+        raise FileError(f"{path}: its space is '{space or 4}', expected one of three dimensions, without time")
     parts = re.findall(r"\(([^)]*)\)", vectors)  # as many numbers as there are of them, at most
     if "," in apart or any(part.count(",") >= max(3, len(parts)) for part in parts):
         raise FileError(f"{path}: its spacing is '{apart or vectors}', expected a point as decimal mark")
+
+
+def check_kinds(path: Path, fields: dict[str, str]) -> bool:
+    """Whether Kinds says that an axis is a list or time. FileError: another one than ITK can take for it."""
+    kinds = fields.get("kinds", "").replace('"', "").split()
+    over_time = [axis for axis, kind in enumerate(kinds) if kind in ("list", "time")]
+    if over_time == [2] and len(kinds) == 3:
+        count = fields.get("sizes", fields.get("dimsize", "")).split()[2:]
+        raise FileError(f"{path}: Kinds says that it holds {''.join(count)} pictures over time, not a volume")
+    for axis in over_time:
+        if axis != len(kinds) - 1 and (axis, kinds[axis]) != (0, "list"):
+            raise FileError(f"{path}: Kinds says that axis {axis + 1} is time, expected the last one")
+    return bool(over_time)
+
+
+def in_other_words(path: Path, fields: dict[str, str]) -> tuple[float, ...]:
+    """How far apart voxels are, where ITK does not read it: by the limits of a NRRD's axes, or VTK's older word. ()
+    elsewhere."""
+    told: list[float] = []
+    try:
+        if path.name.lower().endswith(".vtk"):
+            found = re.search(
+                rb"^ASPECT_RATIO\s+(\S+)\s+(\S+)\s+(\S+)", first_bytes(path), re.MULTILINE | re.IGNORECASE
+            )
+            told = [float(length) for length in found.groups()] if found else []
+        elif "spacings" not in fields:
+            told = _between_limits(fields)
+    except ValueError:  # no numbers
+        return ()
+    return tuple(told) if all(math.isfinite(length) and length > 0 for length in told) else ()
+
+
+def _between_limits(fields: dict[str, str]) -> list[float]:
+    names = ("axismins", "axismaxs", "sizes", "centerings")
+    least, most, sizes, centres = (fields.get(name, "").split() for name in names)
+    fewer = {"cell": 0, "node": 1}
+    if not len(least) == len(most) == len(sizes) == len(centres) == 3 or not fewer.keys() >= set(centres):
+        return []
+    return [
+        abs(float(high) - float(low)) / max(1, int(size) - fewer[centre])
+        for low, high, size, centre in zip(least, most, sizes, centres, strict=True)
+    ]
 
 
 def says_spacing(path: Path, fields: dict[str, str], reader: Any, head: _nifti.Header | None) -> bool:
@@ -58,6 +107,20 @@ def says_spacing(path: Path, fields: dict[str, str], reader: Any, head: _nifti.H
         has_unit = int(float(reader.GetMetaData("xyzt_units"))) & 7
         return not (head and _nifti.lacks_lengths(head)) and (apart != {1.0} or bool(has_unit))
     return not name.endswith(".vtk") or b"SPACING" in first_bytes(path).upper()
+
+
+def check_pages(path: Path) -> None:
+    """FileError: pages of a TIFF differ in size. Of which other size a page may be, a preview, the file says."""
+    import tifffile
+
+    try:
+        with tifffile.TiffFile(path) as file:
+            sizes = {(page.imagewidth, page.imagelength) for page in file.pages if not page.is_reduced}
+    except Exception:  # its reader says what is wrong
+        return
+    if len(sizes) > 1:
+        told = " and ".join(f"{width} x {height}" for width, height in sorted(sizes, reverse=True))
+        raise FileError(f"{path}: its pages are of {told} pixels: save those of the volume as a file")
 
 
 def tiff_spacing(path: Path) -> tuple[float, ...] | None:
@@ -80,6 +143,8 @@ def tiff_spacing(path: Path) -> tuple[float, ...] | None:
             raise FileError(f"{path}: its pages are of {sizes[axis]} {what}: save each as a file of its own")
     said = [re.search(f'PhysicalSize{axis}="([^"]+)"', ome) for axis in "XYZ"]
     units = [re.search(f'PhysicalSize{axis}Unit="([^"]+)"', ome) for axis in "XYZ"]
+    if any(unit and unit[1].lower() in _NO_UNITS for unit in units):
+        return None
     if all(said):
         return tuple(
             _millimetres(path, unit[1] if unit else "um") * float(length[1])
@@ -87,7 +152,7 @@ def tiff_spacing(path: Path) -> tuple[float, ...] | None:
             if length
         )
     unit, apart = notes.get("unit", ""), float(notes.get("spacing", 0))
-    if not unit or apart <= 0 or len(lines) < 2 or not all(line[0] for line in lines):
+    if unit.lower() in _NO_UNITS or apart <= 0 or len(lines) < 2 or not all(line[0] for line in lines):
         return None
     mm = _millimetres(path, unit.replace("\\u00B5", "u"))
     return mm * lines[0][1] / lines[0][0], mm * lines[1][1] / lines[1][0], mm * apart

@@ -66,6 +66,7 @@ def two_places(head: Header, image: Any) -> str:
     here = np.diag([-1, -1, 1]) @ np.reshape(image.GetDirection(), (-1, 3))[:3]
     is_q = np.abs(here - q).max() < np.abs(here - s).max() or (angle < _TURNED and _starts_at(head.qform, image))
     counts = "qform counts, as in ITK and 3D Slicer; nibabel, and what stands on it, takes the sform"
+    how = f"by {angle:.3g} degrees and {far:.3g} mm at the first voxel"
     return (
         f"Its qform and its sform disagree, {'one is the mirror image of the other' if mirrored else how}: the "
         f"{counts if is_q else 'sform counts, as in ITK, 3D Slicer and nibabel'}."

@@ -77,8 +77,11 @@ class Reader:
         self._fields = _header(self.path)
         self._nifti = _nifti.header(self.path) if _content.is_nifti(self.path) else None
         self._check_scan()
+        if _content.is_tiff(self.path):
+            _geometry.check_pages(self.path)
         _geometry.check_marks(self.path, self._fields)
         self._ask_host()
+        over_time = _geometry.check_kinds(self.path, self._fields)
         self._scale = _geometry.unit(self.path, self._fields)
         self._patched = _geometry.patched(self.path, self._fields)
         reader = self._reader = sitk.ImageFileReader()
@@ -89,12 +92,6 @@ class Reader:
             reader.ReadImageInformation()
         size, values = reader.GetSize(), reader.GetNumberOfComponents()
         self._believable(reader)
-        kinds = self._fields.get("kinds", "").replace('"', "").split()
-        over_time = [axis for axis, kind in enumerate(kinds) if kind in ("list", "time")]
-        if over_time == [2] and len(kinds) == 3:
-            raise FileError(f"{self.path}: Kinds says that it holds {size[2]} pictures over time, not a volume")
-        if over_time and over_time[-1] not in (0, len(kinds) - 1):
-            raise FileError(f"{self.path}: Kinds says that axis {over_time[-1] + 1} is time, expected the last one")
         if len(size) == 4 and values == 1:
             self.count = size[3]
         elif len(size) == 3 and values > 1 and over_time:
@@ -254,10 +251,12 @@ class Reader:
         # What ITK computes from directions is off in the last digits.
         image.SetSpacing([float(f"{self._scale * length:.12g}") for length in image.GetSpacing()])
         image.SetOrigin([self._scale * length for length in image.GetOrigin()])
-        tiff = _geometry.tiff_spacing(self.path) if self.path.suffix.lower() in (".tif", ".tiff") else ()
-        if tiff:
-            image.SetSpacing(tiff)
-        if tiff is None or not _geometry.says_spacing(self.path, self._fields, self._reader, self._nifti):
+        tiff = _geometry.tiff_spacing(self.path) if _content.is_tiff(self.path) else ()
+        other = tiff or _geometry.in_other_words(self.path, self._fields)
+        if other:
+            image.SetSpacing([self._scale * length for length in other])
+        said = other or _geometry.says_spacing(self.path, self._fields, self._reader, self._nifti)
+        if tiff is None or not said:
             image.SetMetaData(_images.NOT_SAID, "1")
         side = _geometry.side(self._fields.get("ultrasoundimageorientation", ""))
         if side:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import SimpleITK as sitk
+import tifffile
 from conftest import host
 
 Make = Callable[[Path, np.ndarray], None]
@@ -70,6 +71,19 @@ def vtk(path: Path, voxels: np.ndarray, of: str, more: int) -> None:
     path.write_text(f"{head}LOOKUP_TABLE default\n{rows}\n")
 
 
+def reworded(path: Path, voxels: np.ndarray, word: str, other: str) -> None:
+    """Legacy VTK of points with another word."""
+    vtk(path, voxels, "POINT_DATA", 0)
+    path.write_text(path.read_text().replace(word, other))
+
+
+def of_two_sizes(path: Path, voxels: np.ndarray) -> None:
+    """A TIFF whose volume is followed by one of half the size."""
+    with tifffile.TiffWriter(path) as file:
+        for part in (voxels, voxels[:, ::2, ::2]):
+            file.write(part, photometric="minisblack")
+
+
 def in_members(path: Path, voxels: np.ndarray) -> None:
     """A NIfTI in gzip in three pieces, as pigz and bgzip write it."""
     written(voxels, path)
@@ -118,6 +132,15 @@ def two_places(path: Path, voxels: np.ndarray) -> None:
     path.write_bytes(data)
 
 
+def mirrored(path: Path, voxels: np.ndarray) -> None:
+    """A NIfTI whose sform has x the other way round than its qform."""
+    placed(path, voxels, np.diag([-1.0, -1.0, 1.0]).ravel())
+    data = bytearray(path.read_bytes())
+    rows = np.array([[-1.0, 0, 0, 10], [0, 1, 0, -20], [0, 0, 1, 30]]) * (*SPACING, 1)
+    data[252:256], data[280:328] = struct.pack("<2h", 1, 2), rows.astype("<f4").tobytes()
+    path.write_bytes(data)
+
+
 def big_endian(path: Path, voxels: np.ndarray) -> None:
     """A NIfTI of 16 bits, as a machine with the other byte order writes it."""
     head = bytearray(352)
@@ -132,15 +155,6 @@ def big_endian(path: Path, voxels: np.ndarray) -> None:
 
 def beat(path: Path, voxels: np.ndarray) -> None:
     """Two volumes in a file beside the header."""
-def mirrored(path: Path, voxels: np.ndarray) -> None:
-    """A NIfTI whose sform has x the other way round than its qform."""
-    placed(path, voxels, np.diag([-1.0, -1.0, 1.0]).ravel())
-    data = bytearray(path.read_bytes())
-    rows = np.array([[-1.0, 0, 0, 10], [0, 1, 0, -20], [0, 0, 1, 30]]) * (*SPACING, 1)
-    data[252:256], data[280:328] = struct.pack("<2h", 1, 2), rows.astype("<f4").tobytes()
-    path.write_bytes(data)
-
-
     meta(path, voxels[:0], f"{MM} 1", frames=2)
     data = path.with_suffix(".raw")
     path.write_bytes(path.read_bytes().replace(b"LOCAL", data.name.encode()))

@@ -22,9 +22,11 @@ from makers import (
     nifti,
     nrrd,
     odd_apart,
+    of_two_sizes,
     packed,
     pictures_in,
     placed,
+    reworded,
     two_places,
     vtk,
     written,
@@ -115,6 +117,10 @@ RIGHT |= {
     "points.vtk": lambda path, v: vtk(path, v, "POINT_DATA", 0),
     "50%d.nrrd": lambda path, v: written(v, path),
     "members.nii.gz": in_members,
+    "limits.nrrd": lambda path, v: nrrd(
+        path, v, "axis mins: 0 0 0", "axis maxs: 120 118.75 120", "centerings: cell node cell"
+    ),
+    "aspect.vtk": lambda path, v: reworded(path, v, "SPACING", "ASPECT_RATIO"),
 }
 SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "nospace.mha": (meta, 0, "does not say how far apart its voxels are"),
@@ -142,6 +148,37 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
         "does not say how far apart its voxels are"),
     "thick.dcm": (lambda path, v: enhanced(path, v, step=()), 0, "does not say how far apart its voxels are"),
     "zero.nrrd": (lambda path, v: nrrd(path, v, "spacings: 0 0 0"), 3, "a spacing is 0, expected lengths above 0"),
+    "rast.nrrd": (
+        lambda path, v: nrrd(path, v, "space: RAST", "space directions: (1.25,0,0,0) (0,1.25,0,0) (0,0,2.5,0)"), 3,
+        "its space is 'RAST', expected one of three dimensions, without time"),
+    "both.nrrd": (
+        lambda path, v: nrrd(path, v, "spacings: 2 2 2", "space: LPS", "space directions: (1,0,0) (0,1,0) (0,0,1)"), 3,
+        "it has spacings and space directions, of which only one may be there"),
+    "first.nrrd": (
+        lambda path, v: nrrd(path, np.stack([v, v], -1), "kinds: time domain domain domain", sizes="2 96 96 48"), 3,
+        "axis 1 is time, expected the last one"),
+    "space_first.nrrd": (
+        lambda path, v: nrrd(
+            path, np.stack([v] * 5, -1), "kinds: time space space space", "space: LPS",
+            "space directions: none (1.25,0,0) (0,1.25,0) (0,0,2.5)", sizes="5 96 96 48"), 3,
+        "axis 1 is time, expected the last one"),
+    "field.vtk": (
+        lambda path, v: reworded(path, v, "SCALARS v unsigned_char 1\nLOOKUP_TABLE default",
+                                 f"FIELD FieldData 1\nv 1 {v.size} unsigned_char"), 3,
+        "its values are in a FIELD, expected SCALARS"),
+    "rectilinear.vtk": (
+        lambda path, v: reworded(path, v, "STRUCTURED_POINTS", "RECTILINEAR_GRID"), 3,
+        "its dataset is RECTILINEAR_GRID, expected STRUCTURED_POINTS"),
+    "pixels.tif": (
+        lambda path, v: tifffile.imwrite(
+            path, v, imagej=True, resolution=(1, 1), metadata={"spacing": 1, "unit": "pixel", "axes": "ZYX"}), 0,
+        "does not say how far apart its voxels are"),
+    "ome_pixels.tif": (
+        lambda path, v: tifffile.imwrite(path, v, ome=True, metadata={"axes": "ZYX"} | {
+            f"PhysicalSize{axis}{what}": said for axis in "XYZ" for what, said in (("", 1), ("Unit", "pixel"))}), 0,
+        "does not say how far apart its voxels are"),
+    "sizes.tif": (
+        of_two_sizes, 3, "its pages are of 96 x 96 and 48 x 48 pixels: save those of the volume as a file"),
     "askew.nrrd": (
         lambda path, v: nrrd(path, v, "space: LPS", "space directions: (1.25,0,0) (.4,1.25,0) (0,0,2.5)"), 3,
         "its axes are not at right angles"),
@@ -218,6 +255,9 @@ TOLD: dict[str, tuple[Make, str]] = {  # two truths in a file, and which counts;
         lambda path, v: changed(path, v, lambda data: setattr(
             data.SharedFunctionalGroupsSequence[0].PixelMeasuresSequence[0], "SpacingBetweenSlices", 1.0)),
         "SpacingBetweenSlices says 1 mm, the places of its planes 2.5: the places count."),
+    "mirrored.nii": (
+        mirrored, ("Its qform and its sform disagree, one is the mirror image of the other: the qform counts, as in "
+                   "ITK and 3D Slicer; nibabel, and what stands on it, takes the sform.")),
     "mr.dcm": (lambda path, v: changed(path, v, Modality="MR"), "Its modality is MR: it is no ultrasound."),
 }  # fmt: skip
 FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is said, "": it is clipped as it is
@@ -250,6 +290,3 @@ FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is
     "beat.mhd": (beat, ""),
     "probe.vol": (fan, ""),
 }  # fmt: skip
-    "mirrored.nii": (
-        mirrored, ("Its qform and its sform disagree, one is the mirror image of the other: the qform counts, as in "
-                   "ITK and 3D Slicer; nibabel, and what stands on it, takes the sform.")),
