@@ -14,8 +14,8 @@ cp -rL /usr/include/CL/*.h "$out/CL"
 
 export ZIG_GLOBAL_CACHE_DIR=$out/cache ZIG_LOCAL_CACHE_DIR=$out/cache
 flags=(-std=c11 -O1 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -Wno-enum-float-conversion
-    -Wno-float-conversion -DCL_TARGET_OPENCL_VERSION=120 '-DSV_VERSION="0"' '-DPLUGIN_NAME="mine"' '-DPLUGIN_VERSION="0"'
-    -I include -I src -I cl -I "$build/obj/src" -I "$build/obj/examples/kernel_edge/smartvis_kernels" -isystem "$out")
+    -Wno-float-conversion -DCL_TARGET_OPENCL_VERSION=120 '-DPLUGIN_NAME="mine"' '-DPLUGIN_VERSION="0"'
+    -I include -I src -I cl -I "$build/obj/src" -I "$build/obj/version" -I "$build/obj/examples/kernel_edge/smartvis_kernels" -isystem "$out")
 for processor in aarch64 x86_64; do
     find src examples -name '*.c' ! -name deadline_host.c -printf '%p\n' | sort | while read -r file; do
         "$out/venv/bin/python" -m ziglang cc -target $processor-macos "${flags[@]}" -c "$file" -o "$out/objects/$(tr / _ <<< "$file").$processor.o"

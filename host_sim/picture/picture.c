@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <turbojpeg.h>
+#include <zlib.h>
 
 bool hs_picture_init(hs_picture *picture, uint32_t width, uint32_t height, uint32_t colour, hs_error *err) {
     memset(picture, 0, sizeof *picture);
@@ -32,6 +33,40 @@ void hs_picture_free(hs_picture *picture) {
     memset(picture, 0, sizeof *picture);
 }
 
+static const char *software = "";
+
+void hs_picture_software(const char *name) {
+    software = name;
+}
+
+static void put_be32(uint8_t *to, uint32_t value) {
+    for (unsigned i = 0; i < 4; i++) to[i] = (uint8_t)(value >> (24 - 8 * i));
+}
+
+/* Bytes of the chunk that names the software; `to` may be NULL. */
+static size_t put_software(uint8_t *to) {
+    static const char head[] = "tEXtSoftware"; /* the keyword with its 0 */
+    const size_t length = strlen(software), text = 9 + length;
+    if (length == 0) return 0;
+    if (to) {
+        put_be32(to, (uint32_t)text);
+        memcpy(to + 4, head, sizeof head);
+        for (size_t i = 0; i < length; i++) to[17 + i] = (uint8_t)software[i];
+        put_be32(to + 8 + text, (uint32_t)crc32(0, to + 4, (uInt)(4 + text)));
+    }
+    return 12 + text;
+}
+
+enum { PNG_HEAD = 8 + 25 }; /* the signature, and the first chunk */
+
+/* libpng's simple door writes no texts. `data` has room for the chunk. */
+static void insert_software(uint8_t *data, size_t *bytes) {
+    const size_t more = put_software(NULL);
+    memmove(data + PNG_HEAD + more, data + PNG_HEAD, *bytes - PNG_HEAD);
+    (void)put_software(data + PNG_HEAD);
+    *bytes += more;
+}
+
 static bool write_png(const hs_picture *picture, const uint8_t *rgb, uint8_t **data, size_t *bytes,
                       hs_error *err) {
     png_image image = {.version = PNG_IMAGE_VERSION,
@@ -39,9 +74,10 @@ static bool write_png(const hs_picture *picture, const uint8_t *rgb, uint8_t **d
                        .height = picture->height,
                        .format = PNG_FORMAT_RGB};
     png_alloc_size_t room = PNG_IMAGE_PNG_SIZE_MAX(image);
-    *data = malloc(room);
+    *data = malloc(room + put_software(NULL));
     if (!*data) return hs_fail(err, HS_ERR_MEMORY, "PNG: no memory");
     if (png_image_write_to_memory(&image, *data, &room, 0, rgb, 0, NULL)) {
+        insert_software(*data, &room);
         uint8_t *fitting = realloc(*data, room);
         *data = fitting ? fitting : *data;
         *bytes = room;

@@ -35,6 +35,10 @@ bool hs_picture_init(hs_picture *picture, uint32_t width, uint32_t height, uint3
 /* Frees the pixels and zeroes the struct. Safe on a zeroed struct. */
 void hs_picture_free(hs_picture *picture);
 
+/* What PNG files name as their software, a static text of up to 79 characters: once, before the first. None:
+ * nothing. */
+void hs_picture_software(const char *name);
+
 /* Writes a PNG (8-bit RGB) under a temporary name and renames it. HS_ERR_OUTPUT names path and reason. */
 bool hs_picture_save(const hs_picture *picture, const char *path, hs_error *err);
 

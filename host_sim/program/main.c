@@ -12,6 +12,7 @@
 #include "report/report.h"
 #include "report/verify.h"
 #include "smartvis_plugin.h"
+#include "sv_version.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -68,7 +69,7 @@ static void print_help(FILE *out) {
 }
 
 static void print_version(void) {
-    (void)printf("host_sim %s, SmartVis plugin ABI %u.%u\n", HS_VERSION, (unsigned)SV_ABI_MAJOR,
+    (void)printf("host_sim %s, SmartVis plugin ABI %u.%u\n", SV_VERSION, (unsigned)SV_ABI_MAJOR,
                  (unsigned)SV_ABI_MINOR);
 }
 
@@ -87,6 +88,7 @@ static int run(int argc, char **argv) {
     }
     if (strcmp(argv[1], HS_GUARD_COMMAND) == 0) return hs_guard_serve();
     hs_guard_set_program(NULL);
+    hs_picture_software("SmartVis " SV_VERSION);
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(argv[1], commands[i].name) == 0) {
             const int code = commands[i].run(argc - 1, argv + 1);

@@ -7,6 +7,7 @@
 #include "core/system.h"
 #include "guard/child.h"
 #include "guarded/in_child.h"
+#include "sv_version.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -270,7 +271,7 @@ int main(int argc, char **argv) {
     if (wants_help)
         print_help();
     else if (ok && run->o.version)
-        printf("sv_bench " HS_VERSION ", plugin ABI %u.%u\n", SV_ABI_MAJOR, SV_ABI_MINOR);
+        printf("sv_bench " SV_VERSION ", plugin ABI %u.%u\n", SV_ABI_MAJOR, SV_ABI_MINOR);
     else if (ok)
         code = hs_work_in_child(&run->o.guard, run->o.plugin, "it was timed", measure_and_finish, run, &err);
     free(run);

@@ -10,6 +10,7 @@
 #include "core/text.h"
 #include "page/page_html.h"
 #include "scene/scene.h"
+#include "sv_version.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -193,7 +194,7 @@ static bool write_page(const verify *v, bool has_picture, hs_error *err) {
     hs_page page;
     hs_page_open(&page, path, "SmartVis on this machine");
     hs_page_text(&page, v->code == HS_OK ? "All that was asked for holds." : "Something does not hold.");
-    hs_page_text(&page, "host_sim " HS_VERSION ". For research, not a medical device.");
+    hs_page_text(&page, "host_sim " SV_VERSION ". For research, not a medical device.");
     hs_page_text(&page, when);
     hs_page_table_begin(&page);
     hs_page_table_row(&page, heads, 3);

@@ -13,6 +13,7 @@ from ._plugin import Parameter, Plugin, load, parameters
 from ._products import quick_look
 from ._result import Outcome, Result, Statistics
 from ._scene import CASES, Measures, Scene, mean_error, measure, measure_many, rank, scene
+from ._version import __commit__ as __commit__
 from ._version import __version__ as __version__
 from ._view import Camera, look
 from ._volume import to_uint8

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import _images
 from ._errors import FileError, extra_module
 from ._files import whole
-from ._version import __version__
+from ._version import FULL
 
 _ONE = "1.2.840.10008.5.1.4.1.1.7"  # Secondary Capture Image Storage
 _MANY = "1.2.840.10008.5.1.4.1.1.7.4"  # Multi-frame True Color Secondary Capture Image Storage
@@ -91,7 +91,7 @@ def _described(scan: Any, many: bool, frame_ms: float) -> Any:
     out.Modality, out.SeriesNumber, out.InstanceNumber = "OT", 1, 1
     out.Manufacturer, out.SoftwareVersions, out.SeriesDescription = (
         "SmartVis",
-        __version__,
+        FULL,
         "For research, not a medical device",
     )
     out.ConversionType, out.ImageType, out.PatientOrientation = "WSD", ["DERIVED", "SECONDARY"], ""

@@ -9,9 +9,10 @@ import platform
 from collections.abc import Iterator
 from importlib import metadata
 
-from . import __version__, _host
+from . import _host
 from ._errors import SmartVisError
 from ._plugin import load
+from ._version import FULL
 
 #: What reads files, draws and computes, by the names of their distributions.
 LIBRARIES = ("numpy", "scipy", "SimpleITK", "scikit-image", "tifffile", "pydicom", "pyigtl", "distributed")
@@ -44,7 +45,7 @@ def _is_whole(file: metadata.PackagePath) -> bool:
 
 def facts() -> Iterator[tuple[str, str, str]]:
     """Rows as those of host_sim: what, how it stands, details."""
-    yield "Python", "is", f"{platform.python_version()} on {platform.platform()}; smartvis {__version__}"
+    yield "Python", "is", f"{platform.python_version()} on {platform.platform()}; smartvis {FULL}"
     yield "Libraries", "is", ", ".join(f"{name} {_version(name)}" for name in LIBRARIES)
     count, changed = changed_files()
     if count == 0:

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
-from . import __version__, _kretz, _process, _runtime
+from . import _kretz, _process, _runtime
 from ._errors import FileError, HostError, LoadError, OutputError, PluginError, SmartVisError, state_of
 from ._files import SUFFIXES, Source, stem
 from ._found import find_files
@@ -26,6 +26,7 @@ from ._options import Parser, add_clip_options, add_product_options, finite, pai
 from ._plugin import Parameter, load
 from ._products import PRODUCTS
 from ._text import plain
+from ._version import FULL
 from ._work import Row, Sequences, Settings, clip_one, name_of
 
 OK, FAILED, USAGE, INPUT, PLUGIN, DEVICE, OUTPUT, MEMORY = 0, 1, 2, 3, 4, 5, 6, 7
@@ -230,7 +231,7 @@ def value_range(p: Parameter) -> str:
 def parser_of() -> argparse.ArgumentParser:
     """The whole command line."""
     parser = Parser(prog="smartvis", description="Removes what hides the fetus in 3D ultrasound.")
-    parser.add_argument("--version", action="version", version=f"smartvis {__version__}")
+    parser.add_argument("--version", action="version", version=f"smartvis {FULL}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
     one = commands.add_parser("clip", help="clip files: volume, depthmap, mesh, picture")

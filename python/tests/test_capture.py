@@ -8,6 +8,7 @@ import SimpleITK as sitk
 from conftest import layers, write_dicom
 from PIL import Image  # type: ignore[import-not-found]
 
+import smartvis
 from smartvis.cli import main
 
 
@@ -27,6 +28,7 @@ def test_a_picture(tmp_path):
     data = pydicom.dcmread(out)
     assert np.array_equal(data.pixel_array, frames[0])
     assert np.array_equal(sitk.GetArrayFromImage(sitk.ReadImage(str(out)))[0], frames[0])
+    assert data.SoftwareVersions == smartvis.load().version
     assert data.SOPClassUID == "1.2.840.10008.5.1.4.1.1.7" and data.BurnedInAnnotation == "YES"
     assert (data.PatientName, data.PatientID, data.PatientSex, "NumberOfFrames" in data) == ("", "", "", False)
 

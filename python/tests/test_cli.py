@@ -236,7 +236,8 @@ def test_files_that_would_have_one_name_are_refused(tmp_path: Path, image, other
 
 def test_the_program_is_installed() -> None:
     said = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True, timeout=LONG).stdout
-    assert said == f"smartvis {smartvis.__version__}\n"
+    assert said == f"smartvis {smartvis.load().version}\n"
+    assert smartvis.load().version == "+".join(filter(None, (smartvis.__version__, smartvis.__commit__)))
 
 
 def test_a_view_by_its_place_needs_a_file_that_knows_the_patient(tmp_path: Path, image, capsys) -> None:

@@ -3,6 +3,7 @@
 #include "layer/layer.h"
 
 #include "smartvis/open.h"
+#include "sv_version.h"
 
 #include <pthread.h>
 
@@ -288,7 +289,7 @@ static sv_status create_checked(const sv_host *host, const char *id, const sv_pl
     sv_status status = SV_ERR_NO_MEMORY;
     ly_instance *i = prepare(host);
     if (!i) return status;
-    ly_log(i, SV_LOG_INFO, "SmartVis checking layer %s", LY_VERSION);
+    ly_log(i, SV_LOG_INFO, "SmartVis checking layer %s", SV_VERSION);
     check_host(&i->called, host);
     i->inner = create_inner(i, id, &status);
     if (i->inner && !describe(i)) status = SV_ERR_NO_MEMORY;
@@ -315,7 +316,7 @@ static const sv_descriptor nobody = {sizeof(sv_descriptor),
                                      "org.smartvis.check",
                                      "SmartVis checking layer",
                                      "SmartVis",
-                                     LY_VERSION,
+                                     SV_VERSION,
                                      trouble,
                                      SV_BIT(SV_VOXEL_U8),
                                      SV_QUEUE_OWN,

@@ -7,6 +7,7 @@
 #include "guard/child.h"
 #include "guarded/in_child.h"
 #include "replay/replay.h"
+#include "sv_version.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -104,7 +105,7 @@ int main(int argc, char **argv) {
     hs_guard_defaults(&o.guard);
     o.guard.memory_bytes = 0;
     if (argc == 2 && strcmp(argv[1], "--version") == 0) {
-        printf("sv_replay %s, recordings of version %u\n", HS_VERSION, REC_VERSION);
+        printf("sv_replay %s, recordings of version %u\n", SV_VERSION, REC_VERSION);
         return HS_OK;
     }
     bool ok = hs_options_read(argc, argv, options, &o, &next, &help, &err);

@@ -10,6 +10,7 @@
 #include "core/text.h"
 #include "guard/child.h"
 #include "smartvis_plugin.h"
+#include "sv_version.h"
 #include "validate/drive/process.h"
 #include "validate/findings.h"
 
@@ -285,7 +286,7 @@ static bool parse(command *c, int argc, char **argv, bool *done, hs_error *err) 
     else if (c->list)
         v_print_list();
     else if (c->version)
-        printf("sv_validate " V_VERSION ", plugin ABI %u.%u\n", SV_ABI_MAJOR, SV_ABI_MINOR);
+        printf("sv_validate " SV_VERSION ", plugin ABI %u.%u\n", SV_ABI_MAJOR, SV_ABI_MINOR);
     if (*done) return false;
     if (argc - next != 1)
         return hs_fail(err, HS_ERR_USAGE, argc == next ? "no library given" : "more than one library given");

@@ -3,6 +3,7 @@
 #include "abi/abi.h"
 #include "frame/instance.h"
 #include "frame/pipeline.h"
+#include "sv_version.h"
 
 static const sv_descriptor descriptor = {
     .size = sizeof descriptor,

@@ -177,6 +177,40 @@ static void a_saved_png_reads_back(void **state) {
     assert_int_equal(unlink(path), 0);
 }
 
+/* The text of a PNG file; libpng stops at a chunk whose sum is wrong. */
+static void software_of(const char *path, char *out, size_t bytes) {
+    png_textp texts;
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
+    png_init_io(png, file);
+    png_read_png(png, info, PNG_TRANSFORM_IDENTITY, NULL);
+    const int count = png_get_text(png, info, &texts, NULL);
+    *out = '\0';
+    if (count == 1) (void)snprintf(out, bytes, "%s=%s", texts[0].key, texts[0].text);
+    png_destroy_read_struct(&png, &info, NULL);
+    (void)fclose(file);
+}
+
+static void a_png_names_its_software(void **state) {
+    hs_error err = {0};
+    const char *const path = files_path("a.png");
+    char text[100];
+    hs_picture p = blank(5, 3, 0);
+    assert_true(hs_picture_save(&p, path, &err));
+    software_of(path, text, sizeof text);
+    assert_string_equal(text, "");
+    hs_picture_software("SmartVis 1.2.3+abcdef");
+    const bool saved = hs_picture_save(&p, path, &err);
+    hs_picture_software("");
+    assert_true(saved);
+    software_of(path, text, sizeof text);
+    assert_string_equal(text, "Software=SmartVis 1.2.3+abcdef");
+    assert_int_equal(unlink(path), 0);
+}
+
 static void a_place_that_cannot_be_written_is_named(void **state) {
     hs_error err = {0};
     hs_picture p = blank(4, 4, 0);
@@ -330,7 +364,7 @@ static void odd_sizes_are_drawn(void **state) {
 
 UNIT_MAIN(files_setup, teardown, viridis_is_perceptually_uniform, the_diverging_map_is_white_in_the_middle,
           a_picture_has_limits, blit_scales_and_clips, a_smaller_picture_does_not_alias,
-          a_saved_png_reads_back, a_place_that_cannot_be_written_is_named, text_stays_in_its_place,
-          a_long_text_is_set_smaller_first, three_panels_make_1600_pixels,
+          a_saved_png_reads_back, a_png_names_its_software, a_place_that_cannot_be_written_is_named,
+          text_stays_in_its_place, a_long_text_is_set_smaller_first, three_panels_make_1600_pixels,
           a_depthmap_shows_depths_and_what_clips_nothing, signed_maps_and_shares_use_their_colours,
           odd_sizes_are_drawn)

@@ -1,6 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# One version everywhere: CMakeLists.txt has it; programs, the plugin's descriptor, Debian packages, wheel and crate say the same, and
+# One version everywhere: CMakeLists.txt has it; programs, the plugin's descriptor, Debian packages, wheel and crate say the same, what
+# was built and its pictures with one commit, and
 # the changelog has a dated section of it below one for what is not released. The ABI counts for itself: header, packages for plugins
 # and hosts, and the newest dump in abi/ agree. Called with the source and the build folder.
 set -u
@@ -19,12 +20,19 @@ holds is bindings/rust/Cargo.toml "$(sed -n 's/^version = "\(.*\)"$/\1/p' bindin
 holds is python/smartvis/_version.py "$(sed -n 's/^__version__ = "\(.*\)"$/\1/p' python/smartvis/_version.py)"
 holds grep -qxF 'input = "smartvis/_version.py"' python/pyproject.toml
 holds is CITATION.cff "$(sed -n "s/^version: //p" CITATION.cff)"
+commit=$(cat "$build/commit.txt")
+built() { # built WHAT VERSION
+    [ "$2" = "$version${commit:++$commit}" ] || { echo "$1 says '$2', version $version of commit '$commit' was built"; return 1; }
+}
 for program in host_sim sv_validate sv_replay sv_bench; do
-    [ ! -e "$build/$program" ] || holds is $program "$("$build/$program" --version | sed 's/^[a-z_]* \([0-9.]*\),.*/\1/')"
+    [ ! -e "$build/$program" ] || holds built $program "$("$build/$program" --version | sed 's/^[a-z_]* \([^,]*\),.*/\1/')"
 done
+"$build/host_sim" run --scene D01 --size 32 --frames 1 --out "$work" > "$work/run"
+software='import sys; png = open(sys.argv[1], "rb").read(); print(png[50 : 41 + int.from_bytes(png[33:37], "big")].decode())'
+holds built pictures "$(python3 -c "$software" "$work/result.png" | sed -n 's/^SmartVis //p')"
 SMARTVIS_CHECK_PLUGIN=$build/smartvis.so SMARTVIS_RECORD=$work/recording holds "$build/host_sim" list --plugin "$build/smartvis_check.so" > "$work/list"
-holds is "the checking layer" "$("$build/sv_replay" --list "$work/recording" | sed -n 's/.*SmartVis checking layer \([0-9.]*\)$/\1/p')"
-holds is org.smartvis.clip "$("$build/host_sim" list | sed -n 's/^org\.smartvis\.clip \([0-9.]*\): .*/\1/p')"
+holds built "the checking layer" "$("$build/sv_replay" --list "$work/recording" | sed -n 's/.*SmartVis checking layer \([^ ]*\)$/\1/p')"
+holds built org.smartvis.clip "$("$build/host_sim" list | sed -n 's/^org\.smartvis\.clip \([^ ]*\): .*/\1/p')"
 
 # --- the changelog: what is not released, then this version with its day
 sections=$(grep '^## ' CHANGELOG.md)

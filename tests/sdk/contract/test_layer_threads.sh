@@ -15,7 +15,7 @@ echo 'int main(void) { return 0; }' > "$work/probe.c"
     echo "skipped: no ThreadSanitizer here: $(head -n 1 "$work/why")"
     exit 77
 }
-cc "${flags[@]}" -fPIC -shared -fvisibility=hidden -DLY_VERSION='"test"' sdk/layer/*.c sdk/rules/*.c sdk/record/*.c \
+cc "${flags[@]}" -fPIC -shared -fvisibility=hidden -I "$2/obj/version" sdk/layer/*.c sdk/rules/*.c sdk/record/*.c \
     base/core/system_posix.c -o "$work/layer.so" -lOpenCL -lz -lm -lpthread
 cc "${flags[@]}" -fPIC -shared -fvisibility=hidden -DPLUGIN tests/programs/layer_threads.c -o "$work/plugin.so"
 cc "${flags[@]}" tests/programs/layer_threads.c -o "$work/host" -ldl -lpthread
