@@ -121,7 +121,7 @@ static bool print_file(const char *path, const request *r, hs_error *err) {
     if (ok) {
         hs_print(stdout, "%s\n", path);
         print_sequence(s, number);
-        hs_volume_find_beams(&volume);
+        (void)hs_volume_find_beams(&volume, NULL);
         if (volume.beams) print_beams(volume.beams);
         print_volume(&volume, hs_sequence_levels(s));
     }

@@ -120,7 +120,7 @@ static hs_stream *hs_stream_open(hs_sequence *sequence, hs_error *err) {
     (void)pthread_cond_init(&s->changed, NULL);
     if (hs_sequence_read(s->sequence, 0, &s->slots[0].volume, err)) {
         s->slots[0].state = READY;
-        hs_volume_find_beams(&s->slots[0].volume);
+        (void)hs_volume_find_beams(&s->slots[0].volume, NULL);
         s->shape = s->slots[0].volume;
         s->running = pthread_create(&s->thread, NULL, read_ahead, s) == 0;
         if (s->running) return s;
@@ -166,7 +166,7 @@ static bool read_one(hs_source *source, hs_error *err) {
     if (!source->file || !source->volumes) return hs_fail(err, HS_ERR_MEMORY, "source: no memory");
     source->volumes[0] = source->file;
     const bool ok = hs_sequence_read(source->sequence, 0, source->file, err);
-    if (ok) hs_volume_find_beams(source->file);
+    if (ok) (void)hs_volume_find_beams(source->file, NULL);
     hs_sequence_stop_reading(source->sequence);
     return ok;
 }

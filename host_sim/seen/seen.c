@@ -17,6 +17,7 @@
 
 static _Thread_local hs_error last;
 static hs_cl device; /* zeroed: not open */
+static hs_fits fits;
 
 const char *hs_seen_error(void) {
     return last.text;
@@ -153,7 +154,7 @@ static bool take_kretz(const hs_seen_volume *v, hs_volume *out, bool *same) {
 
 static void find_course(hs_seen_volume *v, hs_volume *volume) {
     if (!hs_volume_doubt(volume, v->doubt)) v->doubt[0] = '\0';
-    hs_volume_find_beams(volume);
+    v->fitted = hs_volume_find_beams(volume, &fits);
     hs_course_question(volume, v->question, sizeof v->question);
     hs_course_words(volume, v->beams, sizeof v->beams);
     v->has_beams = volume->beams != NULL;
@@ -277,4 +278,5 @@ int32_t hs_seen_reason(const void *report, char words[320]) {
 void hs_seen_close(void) {
     if (device.context) hs_cl_close(&device);
     device = (hs_cl){0};
+    hs_fits_free(&fits);
 }

@@ -42,7 +42,8 @@ typedef struct {
     char question[160];        /* out: what to ask of where the probe was, or "" */
     char beams[160];           /* out: how they ran, and how sure that is (hs_course_words) */
     uint32_t has_beams;        /* out: it is seen in the probe's geometry */
-    uint64_t found[160];       /* out: what was found of the scan; for hs_seen_plan and _look */
+    uint32_t fitted; /* out: the fan was fitted anew; else that of a volume with the same outline is meant */
+    uint64_t found[160]; /* out: what was found of the scan; for hs_seen_plan and _look */
 } hs_seen_volume;
 
 typedef struct {
@@ -81,5 +82,5 @@ SV_EXPORT int32_t hs_seen_mark(const hs_seen_volume *volume, const hs_seen_view 
 /* A plugin's sv_confidence_report in words for who holds the probe; 0: it tells no reason. */
 SV_EXPORT int32_t hs_seen_reason(const void *report, char words[320]);
 
-/* Gives the device back. */
+/* Gives device and memory back. */
 SV_EXPORT void hs_seen_close(void);

@@ -92,10 +92,34 @@ static bool choose_face(const hs_volume *v, const border *b, double *room, hs_co
     return false;
 }
 
-void hs_volume_find_beams(hs_volume *v) {
+/* All that the outline tells. */
+static void fit(hs_volume *v, const border *b, double *room) {
     hs_course *c = &v->course;
     hs_probe face[2] = {v->probe, v->probe};
     fan best = {0};
+    const bool stated = c->kind == HS_BEAMS_PARALLEL;
+    const bool held = choose_face(v, b, room, c, face, &best);
+    if (held && v->spacing_unsaid) { /* a fan in unknown units tells a face, and no place */
+        c->asked[0] = face[0];
+        c->asked_count = stated ? 0 : 1;
+    } else if (held) {
+        c->found = !stated;
+        take(v, face[0], &best, b);
+    }
+    if (!v->spacing_unsaid) (void)hs_fan_find_scale(v, b, face, best.share, room, c->fits);
+}
+
+/* True: that took a fit. */
+static bool fit_once(hs_volume *v, const border *b, double *room, hs_fits *fits) {
+    if (b->count < HS_BORDER_LEAST || (fits && hs_fits_recall(fits, v, b))) return false;
+    hs_fit *begun = fits ? hs_fit_begin(v, b) : NULL;
+    fit(v, b, room);
+    if (fits) hs_fits_keep(fits, begun, v);
+    return true;
+}
+
+bool hs_volume_find_beams(hs_volume *v, hs_fits *fits) {
+    hs_course *c = &v->course;
     border b = {0};
     const bool stated = hs_probe_is_known(v);
     *c = (hs_course){.kind = stated ? HS_BEAMS_PARALLEL : HS_BEAMS_UNKNOWN};
@@ -104,28 +128,21 @@ void hs_volume_find_beams(hs_volume *v) {
         for (int k = 0; k < 3; k++) c->apex[k] = 0.0 - v->beams->corner[k];
         c->sweep = v->beams->axis;
         c->face = v->beams->start;
-        return;
+        return false;
     }
     char doubt[HS_DOUBT_BYTES];
-    if (!v->spacing_unsaid && hs_volume_doubt(v, doubt)) return; /* of wrong lengths a fan tells nothing */
+    if (!v->spacing_unsaid && hs_volume_doubt(v, doubt))
+        return false; /* of wrong lengths a fan tells nothing */
     double *memory = malloc((size_t)HS_BORDER_MOST * 4 * sizeof *memory); /* without it, nothing is found */
-    if (!memory) return;
+    if (!memory) return false;
     double *room = memory + 3 * (size_t)HS_BORDER_MOST;
     hs_border_find(v, &b, (double(*)[3])(void *)memory);
-    const bool outlined = b.count >= HS_BORDER_LEAST;
-    const bool held = outlined && choose_face(v, &b, room, c, face, &best);
-    if (held && v->spacing_unsaid) { /* a fan in unknown units tells a face, and no place */
-        c->asked[0] = face[0];
-        c->asked_count = stated ? 0 : 1;
-    } else if (held) {
-        c->found = !stated;
-        take(v, face[0], &best, &b);
-    }
-    if (outlined && !v->spacing_unsaid) (void)hs_fan_find_scale(v, &b, face, best.share, room, c->fits);
+    const bool fitted = fit_once(v, &b, room, fits);
     if (c->kind != HS_BEAMS_FAN) hs_course_find_noise(v);
     if (c->kind == HS_BEAMS_PARALLEL && v->apex_said && !v->spacing_unsaid) hs_course_take_said(v);
     hs_volume_fill_fan(v);
     free(memory);
+    return fitted;
 }
 
 void hs_volume_share_beams(hs_volume *v, const hs_volume *found) {

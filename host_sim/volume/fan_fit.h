@@ -2,6 +2,7 @@
 /* How the beams ran that scanned a volume, found in the outline of what was scanned. */
 #pragma once
 
+#include "volume/fan_kept.h"
 #include "volume/volume.h"
 
 /*
@@ -15,9 +16,10 @@
  * - else, or where the size is doubted, parallel from the probe's face, if that was stated.
  *
  * Black fluid that was written as 0 is scanned all the same: see hs_volume_fill_fan. Deterministic; some
- * 100 ms. Does not read what is inside the scan.
+ * 100 ms, unless the same outline is among `fits`, which may be NULL. True: it was fitted anew. Does not read
+ * what is inside the scan.
  */
-void hs_volume_find_beams(hs_volume *volume);
+bool hs_volume_find_beams(hs_volume *volume, hs_fits *fits);
 
 /* Voxels of 0 inside a fan whose outline is whole become 1, a black echo, if nobody said what was
  * scanned. */

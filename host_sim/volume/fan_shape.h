@@ -21,7 +21,7 @@ enum {
     UNKNOWNS /* of a fan */
 };
 
-typedef struct {
+typedef struct border {
     const double (*points)[3]; /* mm from the volume's corner */
     uint32_t count;
     double size[3]; /* mm */

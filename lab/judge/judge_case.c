@@ -53,7 +53,7 @@ static sv_frame told_of(const hs_volume *v) {
 
 /* Takes the voxels of a volume; it is empty afterwards. */
 static void take(wall_case *c, hs_volume *v, const char *name) {
-    if (v->course.kind == HS_BEAMS_UNKNOWN) hs_volume_find_beams(v);
+    if (v->course.kind == HS_BEAMS_UNKNOWN) (void)hs_volume_find_beams(v, NULL);
     c->told = told_of(v);
     (void)snprintf(c->name, sizeof c->name, "%.63s", name);
     c->nx = v->nx;

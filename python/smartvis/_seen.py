@@ -54,6 +54,7 @@ class _Volume(ctypes.Structure):
         ("question", c_char * 160),
         ("beams", c_char * 160),
         ("has_beams", c_uint32),
+        ("fitted", c_uint32),
         ("found", c_uint64 * 160),
     ]
 
@@ -170,6 +171,7 @@ class Levels:
         self.high: float = v.high  #: ... and that which became 255
         self.question: str = in_python(v.question.decode())  #: what to ask of where the probe was, or ""
         self.beams: str = v.beams.decode()  #: how they ran, and how sure that is
+        self.fitted = bool(v.fitted)  #: the fan was fitted anew, and was none of a scan with the same outline
         self.outside: float | None = v.outside if v.has_outside else None  #: what lies outside the scan
 
     def plan(self, rotation: NDArray[np.float64] | None = None, lowres: int = 0) -> Grid:

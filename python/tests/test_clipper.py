@@ -66,6 +66,27 @@ def test_real_scans_are_clipped_by_a_sequence() -> None:
         assert result.clips and "Nothing hides" not in result.why
 
 
+def test_a_sequence_is_fitted_once(volume: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fan is kept while grid and outline stay, as a scanner would."""
+    looks: list[smartvis._seen.Levels] = []
+
+    class Counted(smartvis._seen.Levels):
+        def __init__(self, *given: Any, **how: Any) -> None:
+            super().__init__(*given, **how)
+            looks.append(self)
+
+    monkeypatch.setattr(smartvis._clip, "Levels", Counted)
+    z, y, x = np.indices(SHAPE)
+    scanned = np.abs(x - 27.5) + np.abs(y - 27.5) < 14 + z * 0.5
+    volumes = [np.where(scanned, np.roll(volume, shift, 1) | 1, 0).astype(np.uint8) for shift in (0, 3, 6)]
+    with Clipper(SHAPE, (1, 1, 1.01)) as clipper:
+        for one in volumes:
+            clipper(one)
+        clipper(np.where(np.roll(scanned, 5, 2), volume | 1, 0).astype(np.uint8))
+        clipper(volumes[0])
+    assert [look.fitted for look in looks] == [True, False, False, True, False]
+
+
 def test_what_a_clipper_was_told_holds_for_every_volume(volume: np.ndarray) -> None:
     how: dict[str, Any] = {"view": (0.1, 0, 1), "scanned": "all", "window": (0, 220), "lowres": 40, "probe": "-z"}
     how |= {"remove": [(28.0, 28.0, 40.0, 6.0)], "method": "wall", "q": 0.3}

@@ -57,7 +57,7 @@ static void fans_are_found(void **state) {
             double apex[3], axes[9];
             char words[160];
             hs_volume v = fan_seen_from(&copy, &fan_shapes[n], (hs_probe)face, apex);
-            hs_volume_find_beams(&v);
+            (void)hs_volume_find_beams(&v, NULL);
             hs_course_words(&v, words, sizeof words);
             if (v.course.kind != HS_BEAMS_FAN || (int)v.probe != face || !v.course.found)
                 fail_msg("geometry %zu, face %d: %s", n, face, words);
@@ -68,7 +68,7 @@ static void fans_are_found(void **state) {
                          v.course.misfit, words);
             hs_volume_free(&v);
         }
-        hs_volume_find_beams(&copy); /* as its file says it */
+        (void)hs_volume_find_beams(&copy, NULL); /* as its file says it */
         assert_true(copy.course.kind == HS_BEAMS_FAN && copy.course.misfit == 0.0);
         assert_true(copy.course.sweep == fan_shapes[n].axis);
         hs_volume_free(&copy);
@@ -82,21 +82,50 @@ static void what_is_stated_counts(void **state) {
     char question[160];
     hs_volume copy = fan_copy(&fan_shapes[0]), v = fan_seen_from(&copy, &fan_shapes[0], HS_PROBE_LOW_Y, apex);
     hs_volume_scanned_from(&v, HS_PROBE_LOW_Z);
-    hs_volume_find_beams(&v);
+    (void)hs_volume_find_beams(&v, NULL);
     hs_course_question(&v, question, sizeof question);
     assert_true(v.course.kind == HS_BEAMS_PARALLEL && v.probe == HS_PROBE_LOW_Z);
     assert_string_equal(question, "The scan narrows towards -y: is the probe there? --probe -y");
     hs_volume_scanned_from(&v, HS_PROBE_LOW_Y);
-    hs_volume_find_beams(&v);
+    (void)hs_volume_find_beams(&v, NULL);
     hs_course_question(&v, question, sizeof question);
     assert_true(v.course.kind == HS_BEAMS_FAN && !v.course.found);
     assert_string_equal(question, "");
     memset(v.probe_turn, 0, sizeof v.probe_turn);
     v.spacing_unsaid = true;
-    hs_volume_find_beams(&v);
+    (void)hs_volume_find_beams(&v, NULL);
     hs_course_question(&v, question, sizeof question);
     assert_int_equal(v.course.kind, HS_BEAMS_UNKNOWN);
     assert_string_equal(question, "The scan narrows towards -y: is the probe there? --probe -y");
+    hs_volume_free(&v);
+    hs_volume_free(&copy);
+}
+
+/* As a scanner keeps what it knows of its probe: of the same outline a fit is kept, with all its bits. */
+static void a_fit_is_kept(void **state) {
+    double apex[3];
+    hs_fits fits = {0};
+    hs_volume copy = fan_copy(&fan_shapes[0]), v = fan_seen_from(&copy, &fan_shapes[0], HS_PROBE_LOW_Y, apex);
+    const hs_volume unknown = v;
+    assert_true(hs_volume_find_beams(&v, &fits));
+    const hs_volume first = v;
+    for (size_t i = 0; i < hs_volume_count(&v); i++) v.voxels[i] = v.voxels[i] ? 77 : 0; /* the next volume */
+    v.probe = unknown.probe;
+    memcpy(v.probe_turn, unknown.probe_turn, sizeof v.probe_turn);
+    assert_false(hs_volume_find_beams(&v, &fits));
+    assert_true(v.course.kind == HS_BEAMS_FAN && v.probe == HS_PROBE_LOW_Y);
+    assert_memory_equal(&v.course, &first.course, sizeof v.course);
+    assert_memory_equal(v.probe_turn, first.probe_turn, sizeof v.probe_turn);
+    assert_false(v.probe == unknown.probe);
+    hs_volume_scanned_from(&v,
+                           HS_PROBE_LOW_Z); /* other words on the probe, another spacing, another outline */
+    assert_true(hs_volume_find_beams(&v, &fits));
+    v.spacing[2] *= 1.01;
+    assert_true(hs_volume_find_beams(&v, &fits));
+    memset(v.voxels, 0, (size_t)v.nx * v.ny * (v.nz / 2));
+    assert_true(hs_volume_find_beams(&v, &fits));
+    assert_false(hs_volume_find_beams(&v, &fits));
+    hs_fits_free(&fits);
     hs_volume_free(&v);
     hs_volume_free(&copy);
 }
@@ -110,15 +139,15 @@ static void an_apex_that_is_said_counts_where_nothing_is_found(void **state) {
     for (size_t i = 0; i < hs_volume_count(&v); i++) v.voxels[i] = 100;
     v.apex_said = true;
     memcpy(v.apex, said, sizeof said);
-    hs_volume_find_beams(&v);
+    (void)hs_volume_find_beams(&v, NULL);
     assert_int_equal(v.course.kind, HS_BEAMS_UNKNOWN); /* without a side */
     hs_volume_scanned_from(&v, HS_PROBE_HIGH_Z);
-    hs_volume_find_beams(&v);
+    (void)hs_volume_find_beams(&v, NULL);
     assert_int_equal(v.course.kind, HS_BEAMS_FAN);
     assert_memory_equal(v.course.apex, said, sizeof said);
     assert_true(v.course.sweep == 0.0 && v.course.face == 54.0 && v.course.misfit == 0.0);
     v.spacing_unsaid = true;
-    hs_volume_find_beams(&v);
+    (void)hs_volume_find_beams(&v, NULL);
     assert_int_equal(v.course.kind, HS_BEAMS_PARALLEL);
     hs_volume_free(&v);
 
@@ -128,7 +157,7 @@ static void an_apex_that_is_said_counts_where_nothing_is_found(void **state) {
     hs_volume_scanned_from(&fan, HS_PROBE_LOW_Y);
     fan.apex_said = true;
     memcpy(fan.apex, said, sizeof said);
-    hs_volume_find_beams(&fan);
+    (void)hs_volume_find_beams(&fan, NULL);
     assert_true(fan.course.kind == HS_BEAMS_FAN && fan.course.misfit > 0.0);
     hs_volume_free(&fan);
     hs_volume_free(&copy);
@@ -152,7 +181,7 @@ static void others_are_none(void **state) {
                 v.voxels[n] = is_inside(kind, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
                                         (double)(n / 5600) / 60 - 0.5);
             if (stated) hs_volume_scanned_from(&v, HS_PROBE_HIGH_X);
-            hs_volume_find_beams(&v);
+            (void)hs_volume_find_beams(&v, NULL);
             if (v.course.kind != (stated ? HS_BEAMS_PARALLEL : HS_BEAMS_UNKNOWN))
                 fail_msg("kind %d: beams are %d, misfit %g", kind, v.course.kind, v.course.misfit);
             hs_volume_free(&v);
@@ -168,7 +197,7 @@ static void oblique_box_is_parallel(void **state) {
     hs_volume *v = &data.full;
     v->course = (hs_course){0};
     memset(v->probe_turn, 0, sizeof v->probe_turn);
-    hs_volume_find_beams(v);
+    (void)hs_volume_find_beams(v, NULL);
     hs_course_words(v, words, sizeof words);
     assert_string_equal(words, "parallel, from -z, which the scan narrows to");
     for (int k = 0; k < 3; k++) assert_near(v->probe_turn[3 * k + 2], axis[k], 0.02);
@@ -179,7 +208,7 @@ static const char *asked_of(hs_volume *v, const double by[3], double fits[3]) {
     static char question[160];
     const double own[3] = {v->spacing[0], v->spacing[1], v->spacing[2]};
     for (int k = 0; k < 3; k++) v->spacing[k] *= by[k];
-    hs_volume_find_beams(v);
+    (void)hs_volume_find_beams(v, NULL);
     hs_course_question(v, question, sizeof question);
     memset(v->probe_turn, 0, sizeof v->probe_turn);
     for (int k = 0; k < 3; k++) {
@@ -264,7 +293,7 @@ static void a_stated_face_without_a_fan_is_doubted(void **state) {
         v.voxels[n] = is_inside(2, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
                                 (double)(n / 5600) / 60 - 0.5);
     hs_volume_scanned_from(&v, HS_PROBE_HIGH_X);
-    hs_volume_find_beams(&v);
+    (void)hs_volume_find_beams(&v, NULL);
     hs_course_question(&v, question, sizeof question);
     assert_string_equal(question, "");
     hs_volume_free(&v);
@@ -292,7 +321,7 @@ static void corners_of_one_level_are_asked_about(void **state) {
     for (int kind = 0; kind < 3; kind++) {
         v.zeros_guessed = kind == 1;
         if (kind == 2) v.voxels[5] = 13;
-        hs_volume_find_beams(&v);
+        (void)hs_volume_find_beams(&v, NULL);
         hs_course_question(&v, question, sizeof question);
         const bool asked = strstr(question, "hold one grey level") && strstr(question, "--padding auto");
         if (asked != (kind == 0) || (kind > 0 && question[0])) fail_msg("kind %d: '%s'", kind, question);
@@ -327,7 +356,7 @@ static void black_fluid_was_scanned(void **state) {
         memcpy(next.voxels, v.voxels, hs_volume_count(&v));
         memcpy(next.spacing, v.spacing, sizeof v.spacing);
         v.zeros_guessed = next.zeros_guessed = kind != SAID;
-        hs_volume_find_beams(&v);
+        (void)hs_volume_find_beams(&v, NULL);
         hs_volume_share_beams(&next, &v);
         assert_true(before > outside + 1000);
         assert_int_equal(zeros_of(&v), kind == WHOLE_SCAN ? outside : before);
@@ -351,7 +380,7 @@ static void real_scans(void **state) {
         if (stat(path, &status) != 0) continue;
         found++;
         must(hs_metaimage_read(path, NULL, &v, &err));
-        hs_volume_find_beams(&v);
+        (void)hs_volume_find_beams(&v, NULL);
         if (v.course.kind != HS_BEAMS_FAN || v.probe != HS_PROBE_LOW_Z || v.course.misfit > 0.2)
             fail_msg("%s: kind %d, misfit %g", v.name, v.course.kind, v.course.misfit);
         hs_volume_free(&v);
@@ -363,13 +392,13 @@ static void real_scans(void **state) {
     hs_volume v;
     if (stat(hardly, &status) != 0) return;
     must(hs_metaimage_read(hardly, NULL, &v, &err)); /* beams that hardly part, of another make of scenes */
-    hs_volume_find_beams(&v);
+    (void)hs_volume_find_beams(&v, NULL);
     hs_course_question(&v, question, sizeof question);
     assert_string_equal(question, "");
     hs_volume_free(&v);
 }
 
-UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts,
+UNIT_MAIN(NULL, NULL, fans_are_found, what_is_stated_counts, a_fit_is_kept,
           an_apex_that_is_said_counts_where_nothing_is_found, others_are_none, oblique_box_is_parallel,
           wrong_spacing_is_told, a_transposed_scan_is_asked_about, a_stated_face_without_a_fan_is_doubted,
           corners_of_one_level_are_asked_about, black_fluid_was_scanned, real_scans)

@@ -28,7 +28,7 @@ static int answer_of(const hs_volume *given, const double by[3], bool stated) {
     v.zeros_guessed = false; /* the voxels are shared: nothing is filled */
     if (stated) hs_volume_scanned_from(&v, given->probe);
     if (hs_volume_doubt(&v, doubt)) return TOLD;
-    hs_volume_find_beams(&v);
+    (void)hs_volume_find_beams(&v, NULL);
     hs_course_question(&v, question, sizeof question);
     if (strstr(question, "As a fan") || strstr(question, "no fan fits") || strstr(question, "right?"))
         return TOLD;
