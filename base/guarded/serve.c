@@ -152,6 +152,22 @@ static sv_status finish(server_state *server, sv_status status) {
     return fail_with(server, SV_ERR_OPENCL, err.text);
 }
 
+/* The status of the call, or SV_ERR_INTERNAL if the plugin wrote beyond a map: into the next, or into none.
+ */
+static sv_status check_bands(server_state *server, const char *call, sv_status status) {
+    static const char *const behind[HS_GUARD_MAPS] = {
+        "", " into what follows the confidence map", " into what follows the scanned ranges", HS_BAND_STATUS};
+    const size_t pixels = server->carrier.pixels;
+    int map = 0;
+    for (int m = HS_GUARD_MAPS - 1; m >= 0; m--) /* all are whole again, and the first is told */
+        if (!hs_band_holds(hs_guard_band(server->block, (hs_guard_map)m, pixels))) map = m + 1;
+    if (map == 0 || !hs_status_is_success(status)) return status;
+    char reason[128];
+    enter_call(server, call, 0, 0); /* it was this call, and not what came behind it */
+    (void)snprintf(reason, sizeof reason, HS_BAND_TEXT, call, (unsigned)pixels, behind[map - 1]);
+    return fail_with(server, SV_ERR_INTERNAL, reason);
+}
+
 /* The frame that the block describes: begin, every slab, end, and what follows it. Results are in the block
  * and the maps when it returns. */
 static sv_status run_frame(server_state *server) {
@@ -169,7 +185,7 @@ static sv_status run_frame(server_state *server) {
     }
     (void)keep_reason(server, status);
     follow(server, status);
-    return finish(server, status);
+    return check_bands(server, "end", finish(server, status));
 }
 
 /* Moves the last frame's map to other values. */
@@ -184,7 +200,7 @@ static sv_status adjust_frame(server_state *server) {
     const sv_status status = instance->adjust(instance, block->values, block->value_count, &result);
     (void)keep_reason(server, status);
     follow(server, status);
-    return finish(server, status);
+    return check_bands(server, "adjust", finish(server, status));
 }
 
 /* What the block's `follow` asks for, of the last frame. */
@@ -231,6 +247,8 @@ static sv_status activate(server_state *server) {
         return fail_with(server, SV_ERR_NO_MEMORY, "no memory for the maps");
     if (!hs_carrier_open(&server->carrier, block, &format, &err))
         return fail_with(server, err.code == HS_ERR_MEMORY ? SV_ERR_NO_MEMORY : SV_ERR_OPENCL, err.text);
+    for (int map = 0; map < HS_GUARD_MAPS; map++)
+        hs_band_make(hs_guard_band(block, (hs_guard_map)map, server->carrier.pixels));
     format.values = format.value_count ? block->values : NULL;
     enter_call(server, "activate", 0, 0);
     const sv_status status = instance->activate(instance, &format);

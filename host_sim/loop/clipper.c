@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/clipper.h"
 
+#include "core/band.h"
 #include "guarded/guarded.h"
 #include "loop/confidence_map.h"
 #include "loop/map_check.h"
@@ -24,8 +25,8 @@ struct hs_clipper {
     uint32_t value_count;
     size_t pixels;      /* of the depthmap */
     cl_mem depth;       /* device, float32: what the renderer reads */
-    float *host_depth;  /* own queue: where the plugin writes */
-    uint8_t *status;    /* SV_POINT_* */
+    float *host_depth;  /* own queue: where the plugin writes; a band behind it */
+    uint8_t *status;    /* SV_POINT_*; a band behind it */
     hs_map_check check; /* of depths that cannot be meant */
     hs_confidence_map *confidence;
     sv_stats stats;          /* written by the queue; valid when it has run */
@@ -87,10 +88,13 @@ static bool create_memory(hs_clipper *clipper, hs_error *err) {
     if (!hs_map_check_create(&clipper->check, clipper->cl, layout->width, layout->height, err) ||
         !hs_cl_take_buffer(clipper->cl, bytes, "depthmap", &clipper->depth, err))
         return false;
-    clipper->host_depth = calloc(clipper->pixels, sizeof(float));
-    clipper->status = calloc(clipper->pixels, 1);
-    return (clipper->host_depth && clipper->status) ||
-           hs_fail(err, HS_ERR_MEMORY, "depthmap: no memory for %zu pixels", clipper->pixels);
+    clipper->host_depth = calloc(1, bytes + HS_BAND_BYTES);
+    clipper->status = calloc(1, clipper->pixels + HS_BAND_BYTES);
+    if (!clipper->host_depth || !clipper->status)
+        return hs_fail(err, HS_ERR_MEMORY, "depthmap: no memory for %zu pixels", clipper->pixels);
+    hs_band_make(clipper->host_depth + clipper->pixels);
+    hs_band_make(clipper->status + clipper->pixels);
+    return true;
 }
 
 hs_clipper *hs_clipper_create(const hs_cl *cl, const hs_slabs *slabs, const hs_plugin *plugin,
@@ -249,12 +253,23 @@ static bool refuse_depths(hs_clipper *clipper) {
                    path, far, clipper->pixels, (double)DEPTH_LIMIT);
 }
 
+/* False with the error if the plugin wrote behind its maps: in words of a plugin that finds that itself. */
+static bool bands_hold(hs_clipper *clipper, const char *call) {
+    const bool depth = hs_band_holds(clipper->host_depth + clipper->pixels);
+    const bool status = hs_band_holds(clipper->status + clipper->pixels);
+    return (depth && status) ||
+           hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: %s: %s (%d): " HS_BAND_TEXT, clipper->plugin->path,
+                   call, hs_status_name(SV_ERR_INTERNAL), SV_ERR_INTERNAL, call, (unsigned)clipper->pixels,
+                   depth ? HS_BAND_STATUS : "");
+}
+
 /* What can be said against a frame whose calls all succeeded; keeps the first of it. */
-static bool holds_up(hs_clipper *clipper, sv_status status) {
+static bool holds_up(hs_clipper *clipper, const char *call, sv_status status) {
     const char *path = clipper->plugin->path;
     const sv_status outcome = status == SV_OK ? clipper->stats.outcome : status;
     if (!hs_guarded_lives(clipper->plugin)) /* it ended in what follows a frame */
         return hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s", hs_guarded_ended(clipper->plugin)->text);
+    if (!bands_hold(clipper, call)) return false;
     if (outcome == UNWRITTEN)
         return hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: end: returned SV_OK, but wrote no statistics",
                        path);
@@ -280,7 +295,7 @@ static bool settle(hs_clipper *clipper, sv_status status, const char *call, hs_c
         if (status > SV_OK) clip->outcome = SV_ERR_INTERNAL;
         return true;
     }
-    if (!holds_up(clipper, status)) {
+    if (!holds_up(clipper, call, status)) {
         clip->outcome = SV_ERR_INTERNAL;
         return true;
     }

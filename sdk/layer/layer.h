@@ -178,6 +178,12 @@ void ly_watch_close(ly_watch *w);
 /* Around the plugin's call: ranges and slabs are sampled before it, maps made NaN; compared and judged behind
  * it. */
 void ly_watch_before(ly_instance *i, const rc_call *c);
+
+/* With the plugin's own queue: `lent` names maps of the layer's with bands behind them, for the call itself,
+ * and ly_results_back brings the host what was written. The host's own result where rows have a pitch, where
+ * the struct is a later host's, and where nothing is watched. */
+const sv_result *ly_results_lend(const ly_instance *i, const rc_call *c, sv_result *lent);
+void ly_results_back(ly_instance *i, const rc_call *c, const sv_result *lent);
 void ly_watch_after(ly_instance *i, const rc_call *c);
 
 /* Judges what the queue has brought. `wait`: waits for it. */

@@ -15,7 +15,7 @@ uint64_t ly_now(void) {
 }
 
 /* ---- one call */
-static sv_status forward(const sv_plugin *p, const rc_call *c) {
+static sv_status forward(const sv_plugin *p, const rc_call *c, const sv_result *result) {
     switch (c->kind) {
     case RC_ACTIVATE:
         return p->activate(p, c->format);
@@ -24,9 +24,9 @@ static sv_status forward(const sv_plugin *p, const rc_call *c) {
     case RC_SLAB:
         return p->slab(p, c->slab);
     case RC_END:
-        return p->end(p, c->result);
+        return p->end(p, result);
     case RC_ADJUST:
-        return p->adjust(p, c->values, c->value_count, c->result);
+        return p->adjust(p, c->values, c->value_count, result);
     default:
         p->deactivate(p);
         return SV_OK;
@@ -98,9 +98,12 @@ static void make_call(ly_instance *i, rc_call *c, sv_status due) {
     c->start_ns = ly_now();
     if (i->record) rec_before(i->record, c);
     ly_watch_before(i, c);
+    sv_result lent;
+    const sv_result *result = ly_results_lend(i, c, &lent);
     const uint64_t handed_on = ly_now();
-    c->status = forward(i->inner, c);
+    c->status = forward(i->inner, c, result);
     c->took_ns = ly_now() - handed_on;
+    if (result == &lent) ly_results_back(i, c, &lent);
     if (i->record) rec_after(i->record, c); /* what the plugin wrote, before the layer mends it */
     ly_watch_after(i, c);
     if (i->record && rec_why(i->record)[0] && !i->told_record && i->outer->log)

@@ -124,6 +124,36 @@ static void enqueue_results(ly_watch *w, const rc_call *c) {
     if (code != CL_SUCCESS) w->trouble = code;
 }
 
+/* ---- maps that are lent */
+static uint8_t *lent_status(const ly_watch *w) {
+    return w->lent + w->rays * sizeof(float) + HS_BAND_BYTES;
+}
+
+const sv_result *ly_results_lend(const ly_instance *i, const rc_call *c, sv_result *lent) {
+    const ly_watch *w = i->watch;
+    const sv_result *r = c->result;
+    if (!w || !w->lent || !c->sound || !r || r->size != sizeof *r || !r->depth) return r;
+    if (r->depth_pitch != 0 && r->depth_pitch != w->format.width * sizeof(float)) return r;
+    *lent = *r;
+    lent->depth = memcpy(w->lent, r->depth, w->rays * sizeof(float));
+    if (r->status) lent->status = memcpy(lent_status(w), r->status, w->rays);
+    hs_band_make(w->lent + w->rays * sizeof(float));
+    hs_band_make(lent_status(w) + w->rays);
+    return lent;
+}
+
+void ly_results_back(ly_instance *i, const rc_call *c, const sv_result *lent) {
+    const ly_watch *w = i->watch;
+    const char *call = rc_names[c->kind];
+    const unsigned rays = (unsigned)w->rays;
+    memcpy(c->result->depth, lent->depth, w->rays * sizeof(float));
+    if (lent->status) memcpy(c->result->status, lent->status, w->rays);
+    RULE_EXPECT(&i->called, RULE_guard_bands, hs_band_holds(w->lent + w->rays * sizeof(float)), HS_BAND_TEXT,
+                call, rays, "");
+    RULE_EXPECT(&i->called, RULE_guard_bands, hs_band_holds(lent_status(w) + w->rays), HS_BAND_TEXT, call,
+                rays, HS_BAND_STATUS);
+}
+
 void ly_results_before(ly_watch *w, const sv_result *r) {
     ly_slot *s = w->now;
     if (r->stats) s->stats_size = r->stats->size;

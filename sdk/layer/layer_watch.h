@@ -10,6 +10,7 @@
  */
 #pragma once
 
+#include "core/band.h"
 #include "layer/layer.h"
 
 #include <CL/cl.h>
@@ -57,6 +58,7 @@ struct ly_watch {
     uint32_t slot_count;
     ly_slot *now;   /* of the frame under way; NULL: it is not sampled */
     uint64_t turn;  /* frames so far: chooses row and tile */
+    uint8_t *lent;  /* own queue: maps for the plugin, with bands behind them; NULL: it gets the host's */
     cl_int trouble; /* one of the layer's own commands failed: it watches no more */
 };
 

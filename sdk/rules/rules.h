@@ -126,7 +126,7 @@
     RULE(frame_statistics, BOTH, "frame-statistics", "first-frame",                                          \
          "The statistics and the status map agree with the frame.",                                          \
          "Count this frame's rays, and leave stats.size as it is.")                                          \
-    RULE(guard_bands, TRIED, "guard-bands", "first-frame",                                                   \
+    RULE(guard_bands, BOTH, "guard-bands", "first-frame",                                                    \
          "Nothing is written beside the map, the status map and the statistics.",                            \
          "Heed depth_pitch, and write no further than width, height and stats.size.")                        \
     RULE(frame_shapes, TRIED, "frame-shapes", "first-frame",                                                 \

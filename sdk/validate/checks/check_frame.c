@@ -84,7 +84,8 @@ static void try_bands(v_rig *r, uint8_t byte, bool all) {
     V_EXPECT(run, status >= 0, "%s: %s: %s", run->report->where, v_status(status), p->last_error(p));
     const v_map map = v_collect(st, status);
     const char *place = stage_trespass(st, byte);
-    V_EXPECT(run, !place, "end writes %s", place);
+    V_EXPECT(run, !place, "end: surface wrote beyond its %u rays: %s", st->format.width * st->format.height,
+             place);
     v_map_check_depths(run, &map, st->format.slices,
                        st->way.pitch ? "with a depth_pitch" : "without a depth_pitch");
     for (uint32_t i = 0; !all && i < map.width * map.height; i++)

@@ -172,7 +172,7 @@ static void try_setting(v_rig *r, const sv_param_info *p, double value) {
         }
         v_rig_expect(r, &first, "%s: %s give another map", what, ways[turn]);
         const char *place = stage_trespass(&r->stage, STAGE_POISON);
-        V_EXPECT(run, !place, "%s: end writes %s", what, place);
+        V_EXPECT(run, !place, "%s: end: surface wrote beyond its rays: %s", what, place);
     }
 }
 

@@ -284,12 +284,16 @@ enum { WRONG_COUNT = sizeof wrong_ones / sizeof *wrong_ones };
 /* What the layer does not see, as docs/check.md says. */
 static const char *const untold[] = {
     "crash_in_create",
-    "hang_in_create",        /* a death or a hang in a call that is right: a recording has it */
-    "null_host_crashes",     /* the layer refuses such a create itself */
-    "reads_past_frame",      /* reads */
-    "fails_for_ever",        /* an error may be right */
-    "writes_in_adjust",      /* of a frame that has ended nothing is sampled */
-    "writes_into_object",    /* who wrote into an object: told as the host's */
+    "hang_in_create",     /* a death or a hang in a call that is right: a recording has it */
+    "null_host_crashes",  /* the layer refuses such a create itself */
+    "reads_past_frame",   /* reads */
+    "fails_for_ever",     /* an error may be right */
+    "writes_in_adjust",   /* of a frame that has ended nothing is sampled */
+    "writes_into_object", /* who wrote into an object: told as the host's */
+    "writes_between_rows",
+    "ignores_pitch",
+    "writes_past_stats",
+    "writes_past_object",    /* guard-bands: only behind maps without a pitch */
     "takes_foreign_objects", /* test_layer_rules has a second context for it */
     "closes_descriptors",
     "shrinks_files",

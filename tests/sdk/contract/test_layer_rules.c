@@ -226,6 +226,7 @@ static const struct {
     {RULE_frame_outcome, "wrong/outcomes_differ", layer_use, "the statistics say SV_PARTIAL"},
     {RULE_depth_values, "wrong/depth_1e30", layer_use, "1e+30"},
     {RULE_depth_values, "wrong/last_row_missing", layer_use, "(0, 19) is NaN, or was not written"},
+    {RULE_guard_bands, "wrong/writes_past_map", layer_use, "end: surface wrote beyond its 480 rays"},
     {RULE_frame_statistics, "wrong/rays_wrong", layer_use, "stats.rays is 1"},
     {RULE_frame_statistics, "wrong/status_map_garbage", layer_use, "is 9"},
     {RULE_confidence, "wrong/confidence_above", layer_use, "1.001"},
