@@ -9,7 +9,7 @@
 
 /* ---- parameters (params.c) */
 
-enum { SV_PARAM_COUNT = 22 };
+enum { SV_PARAM_COUNT = 23 };
 extern const sva_param sv_params[];
 
 /* What sva_method.depends_values answers: for which methods a parameter matters, the methods' tables say. */

@@ -59,6 +59,10 @@ const sva_param sv_params[] = {
     {SV_PARAM_FILL_WEIGHT, SV_PARAM_FLOAT, SV_PARAM_EXPERT, "fill_weight", "Weight of filled pixels", "",
      "Weight of pixels that an earlier pass filled, against 1 of initial points; rounded to quarters.", 0.0,
      1.0, 0.5, 0.25, 0.0, 0.0, GROUP_METHOD, NULL, SV_PARAM_METHOD, BY_METHOD},
+    {SV_PARAM_PASSES, SV_PARAM_INT, SV_PARAM_EXPERT, "passes", "Most passes", "",
+     "Method minimum: after so many passes pixels without a surface stay so, and are not clipped. 0: passes "
+     "go on until there is none.",
+     0.0, SV_MAX_PASSES, 0.0, 1.0, 0.0, 20.0, GROUP_METHOD, NULL, SV_PARAM_METHOD, BY_METHOD},
     {SV_PARAM_EVIDENCE, SV_PARAM_FLOAT, 0, "evidence", "Evidence wanted", "",
      "Share of the bone rays that must have sure fluid in front of the bone. With less the frame ends "
      "without a surface.",

@@ -112,6 +112,7 @@ static sv_status max_commands(sv_diag *diag, const sv_device *device, const sv_c
     sv_values values = *activated;
     sv_demand most;
     values.of[SV_PARAM_KERNEL] = SV_MIN_KERNEL;
+    values.of[SV_PARAM_PASSES] = 0.0; /* as many as it takes */
     values.of[SV_PARAM_PREFILTER_PASSES] = SV_MAX_PREFILTER_PASSES;
     const sv_status status = sv_pipeline_demand(diag, device, config, &values, 1, &most);
     *out = most.commands;

@@ -171,6 +171,7 @@ static bool expect_method(scratch *b, const sv_ref_method *definition, bool doub
     const sv_ref_settings settings = {
         .kernel = (uint32_t)v[SV_PARAM_KERNEL],
         .fill_weight = v[SV_PARAM_FILL_WEIGHT],
+        .passes = (uint32_t)v[SV_PARAM_PASSES],
         .lambda = v[SV_PARAM_LAMBDA],
         .merge_grid = c->merge_grid,
         .spline_grid = c->spline_grid,

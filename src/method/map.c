@@ -71,9 +71,9 @@ void sv_map_begin(sv_map *m, const sv_job *job, const sv_values *values) {
     m->program = format.wide && m->wide ? m->wide : m->narrow;
 }
 
-sv_status sv_map_done_passes(const sv_map *m) {
+sv_status sv_map_done_passes(const sv_map *m, uint32_t passes) {
     sv_launch l = SV_LAUNCH(m, band_record);
-    sv_launch_uint(&l, m->job.pass_limit);
+    sv_launch_uint(&l, passes);
     sv_launch_buffer(&l, m->record);
     return sv_launch_items(&l, 1, SV_STAGE_RECONSTRUCT);
 }

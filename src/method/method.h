@@ -105,7 +105,7 @@ void sv_map_begin(sv_map *map, const sv_job *job, const sv_values *values);
 
 /* Notes in the map's record that every pixel has a surface after so many passes, or what the passes
  * themselves counted. */
-sv_status sv_map_done_passes(const sv_map *map);
+sv_status sv_map_done_passes(const sv_map *map, uint32_t passes);
 
 /* Begins a launch of one of the frame's kernels, by its name, with the map's job as the first argument. */
 #define SV_LAUNCH(map, name)     sv_launch_begin((map)->queue, (map)->program->name, #name)

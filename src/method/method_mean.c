@@ -96,7 +96,7 @@ static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     sv_status status = from_maps ? load_points(m, s, planes) : SV_OK;
     for (uint32_t pass = 0; status == SV_OK && pass < m->job.pass_limit; pass++)
         status = rays ? rays_pass(m, s, pass) : band_pass(m, s, pass);
-    if (status == SV_OK) status = sv_map_done_passes(m);
+    if (status == SV_OK) status = sv_map_done_passes(m, m->job.pass_limit);
     return status == SV_OK && from_maps && planes == 1 ? store_surfaces(m, s) : status;
 }
 

@@ -80,13 +80,15 @@ sv_status sv_minimum_prefilter(const sv_map *m, sv_method_state *s, uint32_t k, 
 static sv_status run(const sv_map *m, sv_method_state *s, uint32_t planes) {
     (void)planes; /* one plane, for the method is never linear */
     sv_status status = load_points(m, s);
-    for (uint32_t n = 0; status == SV_OK && n < m->job.pass_limit; n++) status = pass(m, s, m->job.k, n);
+    const uint32_t wanted = (uint32_t)m->values.of[SV_PARAM_PASSES];
+    const uint32_t passes = wanted > 0 && wanted < m->job.pass_limit ? wanted : m->job.pass_limit;
+    for (uint32_t n = 0; status == SV_OK && n < passes; n++) status = pass(m, s, m->job.k, n);
     if (status == SV_OK) status = store_surfaces(m, s, false);
-    return status == SV_OK ? sv_map_done_passes(m) : status;
+    return status == SV_OK ? sv_map_done_passes(m, passes) : status;
 }
 
 const sv_method sv_method_minimum = {.definition = &sv_ref_method_minimum,
-                                     .parameters = SV_USES_POINTS | SV_USES(KERNEL),
+                                     .parameters = SV_USES_POINTS | SV_USES(KERNEL) | SV_USES(PASSES),
                                      .linear = false,
                                      .kernels = kernels,
                                      .source = source,

@@ -29,6 +29,7 @@ enum {
     SV_PARAM_SPLINE_GRID = 20,
     SV_PARAM_PRECISION = 22,
     SV_PARAM_UNSURE = 26,
+    SV_PARAM_PASSES = 27,
     SV_PARAM_ID_END
 };
 
@@ -36,7 +37,7 @@ enum {
 enum { SV_STRATEGY_AUTO = 0, SV_STRATEGY_SINGLE = 1, SV_STRATEGY_BANDS = 2, SV_STRATEGY_RAYS = 3 };
 
 /* Ends of ranges: with these a frame enqueues most. */
-enum { SV_MIN_KERNEL = 3, SV_MAX_PREFILTER_PASSES = 16 };
+enum { SV_MIN_KERNEL = 3, SV_MAX_PREFILTER_PASSES = 16, SV_MAX_PASSES = 1000 };
 
 /* Numbers that the spline's solver computes with. */
 enum { SV_PRECISION_FLOAT64 = 0, SV_PRECISION_FLOAT32 = 1 };

@@ -10,6 +10,7 @@
 typedef struct {
     uint32_t kernel;    /* odd */
     double fill_weight; /* 0..1 */
+    uint32_t passes;    /* of the minimum filter, at most; 0: until no pixel is empty */
     double lambda;
     uint32_t merge_grid, spline_grid;
     uint32_t prefilter_passes, prefilter_kernel; /* passes 0: no pre-filter */

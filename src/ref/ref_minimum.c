@@ -24,9 +24,10 @@ static uint32_t minimum_pass(const double *from, uint32_t width, uint32_t height
     return empty;
 }
 
-/* `passes` passes, or as many as it takes (UINT32_MAX), from the map to `now`. */
-static bool minimum_passes(const sv_ref_map *map, uint32_t k, uint32_t passes, double *now,
-                           sv_ref_fill *fill) {
+/* `passes` passes from the map to `now`. `until_whole`: the pass after which no pixel is empty is the last.
+ */
+static bool minimum_passes(const sv_ref_map *map, uint32_t k, uint32_t passes, bool until_whole,
+                           double *now) {
     const size_t count = (size_t)map->width * map->height;
     double *next = malloc(count * sizeof *next);
     if (!next) return false;
@@ -35,34 +36,32 @@ static bool minimum_passes(const sv_ref_map *map, uint32_t k, uint32_t passes, d
         now[i] = map->status[i] ? map->depth[i] : INFINITY;
         points += map->status[i] != 0;
     }
-    *fill = (sv_ref_fill){0, (uint32_t)count};
-    while (points > 0 && fill->passes < passes && (passes != UINT32_MAX || fill->unfilled > 0)) {
-        fill->unfilled = minimum_pass(now, map->width, map->height, k, next);
-        fill->passes++;
+    uint32_t empty = (uint32_t)count;
+    for (uint32_t n = 0; points > 0 && n < passes && (!until_whole || empty > 0); n++) {
+        empty = minimum_pass(now, map->width, map->height, k, next);
         memcpy(now, next, count * sizeof *now);
     }
     free(next);
     return true;
 }
 
-/* Passes of a k x k minimum until no pixel is empty. Minima round nothing, so this is exact. */
-static bool minimum_filter(const sv_ref_map *map, uint32_t k, double *surface, sv_ref_fill *fill) {
+/* Passes of a k x k minimum until no pixel is empty, at most `most` (0: any number). Minima round nothing, so
+ * this is exact. */
+static bool minimum_filter(const sv_ref_map *map, uint32_t k, uint32_t most, double *surface) {
     const size_t count = (size_t)map->width * map->height;
-    if (!minimum_passes(map, k, UINT32_MAX, surface, fill)) return false;
+    if (!minimum_passes(map, k, most ? most : UINT32_MAX, true, surface)) return false;
     for (size_t i = 0; i < count; i++)
         if (isinf(surface[i])) surface[i] = 0.0;
     return true;
 }
 
 bool sv_ref_minimum_prefilter(const sv_ref_map *map, uint32_t k, uint32_t passes, double *filtered) {
-    sv_ref_fill fill;
-    return minimum_passes(map, k, passes, filtered, &fill);
+    return minimum_passes(map, k, passes, false, filtered);
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): the signature is that of all methods */
 static bool of_task(const sv_ref_task *task, double *surface) {
-    sv_ref_fill fill;
-    return minimum_filter(&task->map, task->settings->kernel, surface, &fill);
+    return minimum_filter(&task->map, task->settings->kernel, task->settings->passes, surface);
 }
 
 /* Minima round nothing. */

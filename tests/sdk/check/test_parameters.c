@@ -42,6 +42,7 @@ TELLS(bone_fraction, d->bone.bone_fraction = v)
 TELLS(method, d->method = (uint32_t)v)
 TELLS(kernel, d->settings.kernel = (uint32_t)v)
 TELLS(fill_weight, d->settings.fill_weight = v)
+TELLS(passes, d->settings.passes = (uint32_t)v)
 TELLS(evidence, d->evidence = v)
 TELLS(min_gap, d->min_gap = v)
 TELLS(drop_empty, d->bone.drop_empty = v != 0.0)
@@ -72,6 +73,7 @@ static row rows[] = {
     {"method", tell_method, NULL, false},
     {"kernel", tell_kernel, NULL, false},
     {"fill_weight", tell_fill_weight, NULL, false},
+    {"passes", tell_passes, NULL, false},
     {"evidence", tell_evidence, NULL, false},
     {"min_gap", tell_min_gap, NULL, false},
     {"drop_empty", tell_drop_empty, NULL, false},
@@ -226,7 +228,7 @@ static void add_value(double *list, uint32_t *count, double value) {
     list[(*count)++] = value;
 }
 
-/* All values of what has few, else its ends, those for a slider, and one between. */
+/* All values of what has few, else its ends and the first step, those for a slider, and one between. */
 static uint32_t values_of(const rig *r, const sv_param_info *p, double *out) {
     char text[64];
     uint32_t count = 0;
@@ -236,6 +238,7 @@ static uint32_t values_of(const rig *r, const sv_param_info *p, double *out) {
     if (few) return count;
     add_value(out, &count, p->min_value);
     add_value(out, &count, p->max_value);
+    add_value(out, &count, p->min_value + p->step);
     if (p->display_max > p->display_min) add_value(out, &count, p->display_min);
     if (p->display_max > p->display_min) add_value(out, &count, p->display_max);
     add_value(out, &count, p->min_value + p->step * floor((p->max_value - p->min_value) / p->step / 7.0));
