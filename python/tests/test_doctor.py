@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""smartvis doctor: Python's rows and host_sim's; a file of the package that was changed is told, and ends it with 1."""
+"""smartvis doctor: Python's rows and host_sim's; a file of the package that was changed is told, and ends it with 1.
+Requirement: R18."""
 
 import base64
 import hashlib

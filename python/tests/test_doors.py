@@ -2,7 +2,8 @@
 """The table of what users have, and their files of ../shared/cases where they are at hand, through all doors that take
 them: info, run, report, measure, console, smartvis clip, batch, serve and Python: the same bits at each, or one true
 sentence. What is no file has tests of its own: threads in test_clipper, a batch that goes on, links and little memory
-in test_resume, modules in the working folder in test_process, meshes in test_cli."""
+in test_resume, modules in the working folder in test_process, meshes in test_cli.
+Requirement: R15."""
 
 import csv
 import html

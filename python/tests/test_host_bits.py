@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The same bits as host_sim run --write for the same file: depthmap, confidence, status, mask and clipped volume."""
+"""The same bits as host_sim run --write for the same file: depthmap, confidence, status, mask and clipped volume.
+Requirement: R15."""
 
 from pathlib import Path
 

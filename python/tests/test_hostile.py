@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Files that are wrong, or mean harm: refused by name with exit code 3, through every door."""
+"""Files that are wrong, or mean harm: refused by name with exit code 3, through every door.
+Requirement: R12."""
 
 import csv
 import gzip

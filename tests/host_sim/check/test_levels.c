@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What of a file was scanned, whatever lies outside; grey in several channels; sizes that are not said, or
- * not those of a scan. */
+ * not those of a scan.
+ * Requirement: R13. */
 #include "support/metaimage_files.h"
 #include "volume/levels.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* How a volume lies in the patient, held to hand-made directions: words, letters, world coordinates, and what
- * a camera at a named place sees, for every way a volume can lie along the patient's axes. */
+ * a camera at a named place sees, for every way a volume can lie along the patient's axes.
+ * Requirement: R14. */
 #include "render/camera.h"
 #include "smartvis/probe.h"
 #include "support/unit.h"

@@ -5,6 +5,7 @@
  * exchanged and at random, leave mostly no fan; a factor for all sides leaves a fan a fan, and is seen where
  * no probe has such a one. Of what is right nothing is said, whatever its shape. By night all scans, with
  * twelve random scalings each, from a stated face and from none; real ones where they are at hand.
+ * Requirement: R13.
  */
 #include "support/fan_fixture.h"
 #include "support/scene_fixture.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Slices and depthmap of a volume of which a part was scanned: nothing is drawn beside that part. */
+/* Slices and depthmap of a volume of which a part was scanned: nothing is drawn beside that part.
+ * Requirement: R4. */
 #include "support/host_fixture.h"
 
 #include "loop/view.h"

@@ -3,6 +3,7 @@
  * A frame of the scan loop allocates nothing, and creates, builds and releases no OpenCL object: volumes that
  * follow each other, both looks, all carriers, stage by stage and in flow; seen through an interposed heap
  * and OpenCL.
+ * Requirement: R6.
  */
 #include "support/loop_fixture.h"
 #include "validate/spy/cl_spy.h"

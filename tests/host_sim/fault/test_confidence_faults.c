@@ -3,6 +3,7 @@
  * The plugin's confidence on its way to the ghosting: where it comes the picture is that of
  * its formula; where it does not come, or is none, the picture is the one without it, and the
  * host says so once and goes on.
+ * Requirement: R10.
  */
 #include "support/loop_fixture.h"
 

@@ -3,6 +3,7 @@
  * Plugins behind the guard. What works comes to the same bits as without it, extensions and texts included;
  * what crashes or leaves costs its frame, is told with its call, and is started anew a few times. (What hangs
  * or takes all memory: test_wrong_plugins.)
+ * Requirement: R11.
  */
 #include "guarded/guarded.h"
 #include "loop/loop_run.h"

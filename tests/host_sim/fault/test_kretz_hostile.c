@@ -3,6 +3,7 @@
  * Kretz files that are wrong, a row a rule of docs/kretz.md: each is refused with file, item and value.
  * Beside it stands, with nothing told, the file that just does not break the rule: it is read. What
  * breaks the stream of items itself is in test_kretz_items. Run under ASan.
+ * Requirement: R12.
  */
 #include "support/kretz_files.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The scan loop with a plugin that fails, or is not there: every picture must be the unclipped one. */
+/* The scan loop with a plugin that fails, or is not there: every picture must be the unclipped one.
+ * Requirement: R10. */
 #include "support/loop_fixture.h"
 
 #include <math.h>

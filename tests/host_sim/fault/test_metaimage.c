@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* MetaImage files that are wrong: each is refused with file, field and value, and beside what just breaks a
  * rule stands what just does not. (Orientation: test_metaimage_pose; sequences and other formats:
- * test_metaimage_sequence.) Run under ASan, nothing may leak. */
+ * test_metaimage_sequence.) Run under ASan, nothing may leak.
+ * Requirement: R12. */
 #include "support/metaimage_files.h"
 
 #include <math.h>

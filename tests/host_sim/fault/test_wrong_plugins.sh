@@ -5,6 +5,7 @@
 # the host itself notices something: the others take the same way in both modes, and those that only the guard ends would end
 # the host. By day one plugin of each check, and those whose end is named below; with SV_NIGHT all.
 # Called with the source and the build folder.
+# Requirement: R11.
 set -u
 build=$2
 table=$(mktemp)

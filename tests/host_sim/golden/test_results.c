@@ -3,6 +3,7 @@
  * Results make the round trip: a volume is clipped from five cameras, written, and read back by a reader of
  * the test's own. All that is compared is what stands in the files: where a voxel lies by their spacing,
  * offset and directions, on which side of the depthmap it is, and what it holds.
+ * Requirement: R14.
  */
 #include "support/result_files.h"
 #include "support/result_fixture.h"

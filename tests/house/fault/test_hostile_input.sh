@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Files, names and streams that come from anywhere: what they must not do to the terminal, to other folders and to the
 # program. Called with the source and the build folder.
+# Requirement: R12.
 set -u
 source=$1
 build=$2

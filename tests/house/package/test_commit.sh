@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # cmake/stamp.cmake: the version names the commit that is built, of a checkout by git and of an archive by what `git archive` wrote;
 # what differs from it is marked; a commit that is no other rebuilds nothing. Called with the source and the build folder.
+# Requirement: R17.
 set -u
 source_dir=$1
 # shellcheck source=tests/support/holds.sh

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # What docs/stability.md promises by name is there: the plugin's parameters and their enums' values, Python's names, the exit codes,
 # versions of files. More may be there. Called with the source and the build folder.
+# Requirement: R16.
 set -u
 source_dir=$1 build=$2
 . "$source_dir/tests/support/holds.sh"
@@ -52,6 +53,16 @@ holds python3 "$source_dir/scripts/test_table.py" "$source_dir" > "$work/table"
 holds grep -qF '| tests/house/package/test_stability.sh | package | What docs/stability.md promises by name is there: ' "$work/table"
 mkdir -p "$work/silent/tests/house/package" && echo 'int main(void) { return 0; }' > "$work/silent/tests/house/package/test_silent.c"
 holds code 1 python3 "$source_dir/scripts/test_table.py" "$work/silent"
+
+# --- every requirement of docs/soup.md has a test, and no test names another one
+holds python3 "$source_dir/scripts/test_table.py" --requirements "$source_dir" > "$work/table"
+holds grep -qF 'tests/house/package/test_stability.sh' <(grep '^| R16 |' "$work/table")
+mkdir "$work/silent/docs" && printf '| R1 | It works. |\n' > "$work/silent/docs/soup.md"
+holds code 1 python3 "$source_dir/scripts/test_table.py" --requirements "$work/silent"
+holds grep -qx 'test_table: requirement R1: no test names it' "$work/said"
+printf '/* What works. Requirements: R1, R2. */\n' > "$work/silent/tests/house/package/test_silent.c"
+holds code 1 python3 "$source_dir/scripts/test_table.py" --requirements "$work/silent"
+holds grep -qx 'test_table: requirement R2: tests/house/package/test_silent.c names it, and it is none' "$work/said"
 
 # --- versions of files
 holds grep -q "^#define REC_VERSION 2u$" "$source_dir/sdk/record/rec_item.h"

@@ -4,6 +4,7 @@
 # was built and its pictures with one commit, and
 # the changelog has a dated section of it below one for what is not released. The ABI counts for itself: header, packages for plugins
 # and hosts, and the newest dump in abi/ agree. Called with the source and the build folder.
+# Requirement: R17.
 set -u
 source_dir=$1 build=$2
 # shellcheck source=tests/support/holds.sh

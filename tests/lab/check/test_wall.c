@@ -3,6 +3,7 @@
  * Method wall against its definition (docs/surface.md): on scenes, on any volume, by any split into slabs,
  * with ranges, padding and spacing, at any knob position, in both layouts of the work. Everything up to the
  * layers is integer arithmetic, so on a device that divides exactly the maps are the same bits.
+ * Requirement: R2.
  */
 #include "support/scene_fixture.h"
 #include "support/wall_compare.h"

@@ -4,6 +4,7 @@
  * the first argument names: what moves, brightens or resamples the scan must move or keep the surface
  * (docs/surface.md). Errors are those of sv_judge, the mean over the cases. That a mirrored scan has the
  * mirrored surface, to the bit: test_wall_definition.
+ * Requirement: R3.
  */
 #include "judge/judge.h"
 #include "support/unit.h"

@@ -4,6 +4,7 @@
 # changed or is missing, another depthmap, a deadline that no frame keeps, and a plugin that fails each have their exit code and their row,
 # on the terminal and on the page. accepted.mha holds the maps of `wall` to those of the release (docs/stability.md); before 1.0.0 is
 # released, `host_sim run --scene D01 --size 64 --setting smartvis --write depthmap` makes it anew. Called with the source and the build folder.
+# Requirement: R18.
 set -u
 source_dir=$1 build=$2
 # shellcheck source=tests/support/holds.sh

@@ -4,6 +4,7 @@
 # the headers are changed here in one way each, and what it says must name the place: every fourth by day, all with SV_NIGHT.
 # Called with the source and the build folder.
 # shellcheck disable=SC2016 # what looks like variables is Perl's
+# Requirement: R16.
 set -u
 source_dir=$1
 checked=0 failed=0 change=0

@@ -2,6 +2,7 @@
 /*
  * However a volume is handed over, the answer is the same to the bit: sizes, slabs, tiles, padding, carriers
  * and the way the work is laid out. Every frame is compared with the scalar definition.
+ * Requirement: R3.
  */
 #include "support/compare.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Every reconstruction method against its float64 definition, and the knob. Behind the pre-filter, at depths
- * near 8,150 and with other settings: test_method_hard. */
+ * near 8,150 and with other settings: test_method_hard.
+ * Requirement: R2. */
 #include "support/surfaces.h"
 
 static uint32_t held[SV_METHOD_END]; /* chains of a method that were held to its definition */

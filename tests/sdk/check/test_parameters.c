@@ -3,6 +3,7 @@
  * Every parameter of the plugin's own list against the definition, by every method that it matters to: at its
  * ends, its default and between. A parameter has a row here, which tells the definition its value or says why
  * there is nothing to tell; one without a row fails, and so does a row whose values never move the surface.
+ * Requirement: R2.
  */
 #include "support/rig.h"
 

@@ -2,6 +2,7 @@
 /*
  * Scanned ranges (sv_frame.scanned): the device against the definition for every layout of work, sampling and
  * way of handing them over; ranges and padding value, the same where both are right; and what begin refuses.
+ * Requirement: R4.
  */
 #include "support/compare.h"
 

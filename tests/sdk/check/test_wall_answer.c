@@ -2,6 +2,7 @@
 /*
  * The surface told by the wall, with answers worked out by hand from the numbers of docs/surface.md: kernels
  * and definition read the same constants, so comparing them says nothing about those.
+ * Requirement: R1.
  */
 #include "ref/ref_wall_steps.h"
 #include "support/wall_fixture.h"

@@ -3,6 +3,7 @@
  * The surface told by the wall (docs/surface.md), as scalar C, on volumes whose answer is known: a wall,
  * fluid, and a fetus with bright bone. What moves or turns the scan must move or turn the surface; what
  * brightens it: test_wall_invariance.
+ * Requirement: R1.
  */
 #include "support/wall_fixture.h"
 

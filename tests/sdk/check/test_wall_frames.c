@@ -3,6 +3,7 @@
  * Method wall from frame to frame (docs/surface.md, step 10): a share that wanders around its limit does not
  * make the answer flicker, in both layouts of the work. A first frame, and one that continues nothing, are
  * answered as if there had been no other.
+ * Requirement: R9.
  */
 #include "ref/ref_wall.h"
 #include "support/rig.h"

@@ -2,6 +2,7 @@
 /*
  * The header's rules on calls, beside what sv_validate tries on every plugin (states, NULL, short structs,
  * ids, values): the words of a refusal, which name field and value, and smartvis.timing/1.
+ * Requirement: R5.
  */
 #include "support/fixture.h"
 

@@ -4,6 +4,7 @@
  * and adjust in every work layout and with every carrier, seen through interposed OpenCL calls and an
  * interposed heap. With the plugin's own queue, end and adjust wait exactly once. That the spies see what
  * they are there for, the wrong plugins of sv_validate show.
+ * Requirement: R6.
  */
 #include "core/progress.h"
 #include "support/fixture.h"

@@ -3,6 +3,7 @@
  * smartvis.needs/1 tells what activate really takes and what a frame really enqueues: buffers, heap and
  * commands as the spies count them, over methods, layouts, sizes, carriers and settings; and it asks OpenCL
  * nothing. A format that the device has no room for is refused before anything is made.
+ * Requirement: R8.
  */
 #include "smartvis/lookup.h"
 #include "smartvis/needs.h"

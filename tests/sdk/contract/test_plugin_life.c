@@ -3,6 +3,7 @@
  * Lives of instances beside what sv_validate tries (frames repeated, broken off and interleaved, many
  * activations, destroyed while active): formats one after the other; forked; kernels that do not build. That
  * there may be no device: test_devices.
+ * Requirement: R5.
  */
 #include "programs/shared_programs.h"
 #include "support/fixture.h"

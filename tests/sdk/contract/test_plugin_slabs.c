@@ -3,6 +3,7 @@
  * Slabs and results: what slab and end refuse. The order of slabs, guard bands around maps in memory and in
  * buffers, slabs that stay as they are in every carrier, and slabs that end where their bytes do, are
  * sv_validate's.
+ * Requirement: R5.
  */
 #include "support/fixture.h"
 

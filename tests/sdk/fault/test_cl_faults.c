@@ -4,6 +4,7 @@
  * and during a frame, in every work layout, with every carrier and by every method; and so do its
  * allocations, but under AddressSanitizer, which owns the heap (spy/heap_spy.h). Each time an error with the
  * call's reason, nothing left behind, and the next activation or frame works.
+ * Requirement: R7.
  */
 #include "programs/shared_programs.h"
 #include "support/compare.h"
