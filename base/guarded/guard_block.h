@@ -5,8 +5,9 @@
  *
  *   channel   hs_guard_order ->  the parent has filled in the block, the child works
  *             <- hs_guard_reply  the child has filled in the block, the parent reads
- *   block     hs_guard_block, then depth, confidence, scanned ranges, status (hs_guard_map_offset), each with
- * a band behind it (core/band.h) slabs     memory of its own, which the child can only read
+ *   block     hs_guard_block, then depth, confidence, scanned ranges, status (hs_guard_map_offset), each
+ *             with a band behind it (core/band.h)
+ *   slabs     memory of its own, which the child can only read
  *
  * The parent believes nothing in it: it copies once, then looks at the copy. Texts end where their arrays do.
  */
