@@ -100,6 +100,7 @@ bool sv_wall_grid_of(const sv_wall_layout *l, const sv_wall_layout *along, const
         g->x[a] = fixed((double)turn[0] * per_mm[a], SV_WALL_VECTOR_BITS);
         g->y[a] = fixed((double)turn[1] * per_mm[a], SV_WALL_VECTOR_BITS);
         g->z[a] = fixed((double)turn[2] * per_mm[a], SV_WALL_VECTOR_BITS);
+        g->near[a] = fixed(0.5 * s->beam_mm * per_mm[a], SV_WALL_POSITION_BITS);
     }
     return true;
 }

@@ -53,6 +53,7 @@ static uint probability_at(const sv_wall_layout *l, const ray_t *r, uint z) {
     const size_t at = z * r->cell_pitch;
     const uint flags = r->flags[at], probability = r->probabilities[r->brightness[at]];
     const uint any = probability >> 16, first = probability & 0xffffu;
+    if (flags & CELL_FLOATS) return any;
     if (!r->touches || r->run_end <= z) return (flags & CELL_ENCLOSED) ? first : any;
     if (z < r->run + l->skin) return 0; /* the skin tells nothing */
     if (flags & CELL_FLANKED) return any;

@@ -91,8 +91,9 @@ static i32h has_bit(u32h flags, uint bit) {
 
 /* Changes the probabilities that were looked up by what surrounds the cells. Enclosed tissue is judged like
  * a first run. A first run that the fetus flanks is judged like a later one; what it reaches from one side
- * is moved by `one_side` from the one probability to the other. */
-static u32h probabilities_at(const sv_wall_layout *l, const cell_rays_t *s, uint z) {
+ * is moved by `one_side` from the one probability to the other. `floats`: the cells where a limb floats; all
+ * of it is judged like a later run. */
+static u32h probabilities_at(const sv_wall_layout *l, const cell_rays_t *s, uint z, u32h *floats) {
     u8h cells;
     for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->flags[i * s->word_pitch + z];
     const u32h looked_up = s->by_layer[z], flags = HALF_TO_U32(cells);
@@ -100,18 +101,22 @@ static u32h probabilities_at(const sv_wall_layout *l, const cell_rays_t *s, uint
     const u32h part =
         ((any - first) * l->one_side + (uint)(SV_WALL_PROBABILITY_ONE / 2)) / (uint)SV_WALL_PROBABILITY_ONE;
     const u32h beside = SELECT(first, first + part, has_bit(flags, CELL_ADJACENT));
-    return SELECT(any, first, has_bit(flags, CELL_ENCLOSED)) << 16u |
-           SELECT(beside, any, has_bit(flags, CELL_FLANKED));
+    const i32h is_limb = has_bit(flags, CELL_FLOATS);
+    *floats = REINTERPRET(is_limb, u32h);
+    return SELECT(any, first, has_bit(flags, CELL_ENCLOSED) & ~is_limb) << 16u |
+           SELECT(beside, any, has_bit(flags, CELL_FLANKED) | is_limb);
 }
 
 /* Accumulates the probability that the fetus has begun. `both`: probabilities of the cells, of a later run *
- * 65536 + of a first run; two rays share a word. */
-static void forward_fetus(const sv_wall_layout *l, rays_t *r, uint z, u16l tissue, u32h both, forward_t *w) {
+ * 65536 + of a first run; two rays share a word. `floats`: the mask of cells where a limb floats. */
+static void forward_fetus(const sv_wall_layout *l, rays_t *r, uint z, u16l tissue, u32h both, u32h floats,
+                          forward_t *w) {
     const u16l any = REINTERPRET(both >> 16u | (both & 0xffff0000u), u16l);
     const u16l first = REINTERPRET((both & 0xffffu) | both << 16u, u16l);
     const u16l in_run = AS_U16(r->touches & (r->run_end > (i16l)((short)z))) & tissue;
     const i16l behind_skin = r->run <= (i16l)((short)z - (short)l->skin); /* the skin tells nothing */
-    const u16l probability = SELECT(any, first & AS_U16(behind_skin), in_run);
+    const u16l counts = AS_U16(behind_skin) | REINTERPRET(floats, u16l);
+    const u16l probability = SELECT(any, first & counts, in_run);
     w->maximum = MAXIMUM(w->maximum, probability) & tissue;
     w->now = SELECT(w->now, w->before - share(w->before, w->maximum), tissue);
     w->before = SELECT(w->now, w->before, tissue);
@@ -206,9 +211,10 @@ static void forward_layer(const sv_wall_layout *l, cell_rays_t *s, uint z, const
         UNROLL for (uint i = 0; i < 2; i++) forward_no_tissue(&r[i], z, &w[i]);
         return;
     }
-    const u32h probabilities = probabilities_at(l, s, z);
+    u32h floats;
+    const u32h probabilities = probabilities_at(l, s, z, &floats);
     UNROLL for (uint i = 0; i < 2; i++)
-        forward_fetus(l, &r[i], z, AS_U16(words_of(tissue[i])), probabilities, &w[i]);
+        forward_fetus(l, &r[i], z, AS_U16(words_of(tissue[i])), probabilities, floats, &w[i]);
     const i16l open = (AS_I16(w[0].now) & r[0].scanned) | (AS_I16(w[1].now) & r[1].scanned);
     if (z == 0 || any_word(open)) return;
     s->certain_from = z;

@@ -207,8 +207,8 @@ static bool clips_if_asked(uint answer) {
 /* Takes what the beams say of the volume: without a surface along them there is none. */
 static void take_answer(const sv_wall_layout *l, __global const uint *told, __global uint *info) {
     const uint answer = told[SV_WALL_INFO_LAST];
-    info[SV_WALL_INFO_FOUND] = told[SV_WALL_INFO_FOUND];
-    info[SV_WALL_INFO_WANTED] = told[SV_WALL_INFO_WANTED];
+    info[SV_WALL_INFO_FOUND] = told[SV_WALL_INFO_LAST_FOUND];
+    info[SV_WALL_INFO_WANTED] = told[SV_WALL_INFO_LAST_WANTED];
     if (answer != SV_WALL_DOUBTFUL && !(clips_if_asked(answer) && l->clip_doubtful))
         info[SV_WALL_INFO_OUTCOME] = answer;
 }
@@ -273,6 +273,8 @@ __kernel void wall_verdict(sv_wall_layout l, __global const ulong *restrict gaps
         info[SV_WALL_INFO_OUTCOME] = asked ? SV_WALL_SURFACE : verdict;
     }
     info[SV_WALL_INFO_LAST] = verdict;
+    info[SV_WALL_INFO_LAST_FOUND] = info[SV_WALL_INFO_FOUND];
+    info[SV_WALL_INFO_LAST_WANTED] = info[SV_WALL_INFO_WANTED];
     const bool clips = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
     record[SV_REC_RAYS] = l.width * l.height;
     record[SV_REC_POINTS] = 0;

@@ -65,6 +65,7 @@
 #define SV_WALL_POSITION_BITS 16 /* of a position in the camera's blocks, */
 #define SV_WALL_PART_ONE      16 /* of a block, where a level lies between two */
 #define SV_WALL_VECTOR_BITS   24 /* and of blocks a millimetre */
+#define SV_WALL_LINES         64 /* lines of a plane of beams, for kernels: bits of a word */
 
 /* Words of what is known of the frame. */
 #define SV_WALL_INFO_OUTCOME       0
@@ -81,8 +82,10 @@
 #define SV_WALL_INFO_WANTED        266 /* and the limit that it was held to */
 #define SV_WALL_INFO_LAST          267 /* the outcome as sv_wall_layout.last has it; the next frame reads it */
 #define SV_WALL_INFO_UNSEEN        268 /* 1: too few rays show a fetus that is brighter than the wall */
-#define SV_WALL_INFO_GAINS         269 /* what levels are multiplied by, for each brightness around them */
-#define SV_WALL_INFO_WORDS         (269 + SV_WALL_GAINS)
+#define SV_WALL_INFO_LAST_FOUND    269 /* FOUND and WANTED of LAST, which hold */
+#define SV_WALL_INFO_LAST_WANTED   270 /* for a volume, though limbs are found anew for every camera */
+#define SV_WALL_INFO_GAINS         271 /* what levels are multiplied by, for each brightness around them */
+#define SV_WALL_INFO_WORDS         (SV_WALL_INFO_GAINS + SV_WALL_GAINS)
 
 /* Without a surface depth and confidence are 0, and nothing is clipped. */
 typedef enum {
@@ -177,6 +180,7 @@ typedef struct {
     int first, step, sweep;      /* SV_WALL_MM_BITS */
     int axis[3];                 /* the sweep's axis, SV_WALL_POSITION_BITS */
     int x[3], y[3], z[3];        /* the probe's axes, blocks a millimetre, SV_WALL_VECTOR_BITS */
+    int near[3];                 /* what is so near a sample along the axes is there, SV_WALL_POSITION_BITS */
 } sv_wall_grid;
 
 #endif

@@ -113,7 +113,7 @@ sv_status sv_map_done_passes(const sv_map *map, uint32_t passes);
 
 /* ---- the method */
 
-#define SV_MAX_METHOD_BUFFERS 40
+#define SV_MAX_METHOD_BUFFERS 42
 
 /* What a method keeps from activate to deactivate. */
 typedef struct {

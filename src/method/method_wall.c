@@ -10,7 +10,7 @@
 
 #include <stdlib.h>
 
-enum { RAY_PLANES = 5, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
+enum { RAY_PLANES = 5, LIMB_PLANES = 4, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
 
 /* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -104,6 +104,8 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     bytes[SV_WALL_TABLES] = SV_WALL_TABLE_WORDS * sizeof(cl_uint);
     bytes[SV_WALL_CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float);
     find_bytes(m, &own->beams, bytes + SV_WALL_BEAMS);
+    bytes[SV_WALL_BEAMS + SV_WALL_LIMBS] =
+        (size_t)LIMB_PLANES * own->beams.layers * own->beams.rows * sizeof(cl_ulong);
     return sv_buffers_make(m->queue, bytes, SV_WALL_ALL_BUFFERS, s->buffer);
 }
 
@@ -140,14 +142,47 @@ static sv_status slabs(const sv_map *m, sv_method_state *s, const sv_placed_slab
     return work_of(m)->slabs(m, s, from);
 }
 
-/* Asks the beams whether there is a surface. */
-static sv_status ask_beams(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid, bool continues) {
+/* Lays the grid along the beams into the camera's blocks, and launches their kernels before `end`. */
+static sv_status along_beams(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid, uint32_t end) {
     const sv_wall_work *work = work_of(m);
-    sv_wall_own *const own = sv_wall_own_of(s);
-    own->beams.last = continues && own->camera.told ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
     const sv_status status = work->gather(m, s, grid);
-    return status == SV_OK ? sv_wall_launch_all(m, s, work, work->gathered, work->verdict + 1, true, NULL)
-                           : status;
+    return status == SV_OK ? sv_wall_launch_all(m, s, work, work->gathered, end, true, NULL) : status;
+}
+
+/* True if the camera is that of the frame before, too. A fan tells where it is; without one, beams that are
+ * as they were say nothing of a camera that was only moved. */
+static bool same_camera(const sv_wall_own *own, const sv_beams *b) {
+    const sv_beams *const a = &own->seen;
+    bool same = b->kind == SV_BEAMS_FAN && a->kind == b->kind && a->sweep_mm == b->sweep_mm;
+    for (int i = 0; i < 9; i++) same = same && a->rotation[i] == b->rotation[i];
+    for (int i = 0; i < 3; i++) same = same && a->apex_mm[i] == b->apex_mm[i];
+    return same;
+}
+
+/* Asks the beams whether there is a surface, once a volume, and where limbs float, which the blocks of every
+ * camera tell a little differently: so the map of a frame does not depend on the cameras before. */
+static sv_status ask_beams(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid,
+                           const sv_frame_context *frame) {
+    sv_wall_own *const own = sv_wall_own_of(s);
+    const bool holds = own->holds && frame->beams.same_volume, same = same_camera(own, &frame->beams);
+    own->seen = frame->beams;
+    own->holds = false; /* until all is launched */
+    if (holds) return same ? SV_OK : along_beams(m, s, grid, work_of(m)->floated);
+    own->beams.last = frame->continues && own->camera.told ? SV_WALL_REMEMBERED : SV_WALL_EMPTY;
+    return along_beams(m, s, grid, work_of(m)->verdict + 1);
+}
+
+/* Marks the camera's cells where limbs float along the beams. */
+static sv_status mark_limbs(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid) {
+    const sv_wall_work *work = work_of(m);
+    const sv_wall_own *const own = sv_wall_own_of(s);
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[work->mark], work->kernels[work->mark]);
+    sv_launch_arg(&l, sizeof own->camera, &own->camera);
+    sv_launch_arg(&l, sizeof *grid, grid);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_TABLES]);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_BEAMS + SV_WALL_LIMBS]);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_FLAGS]);
+    return sv_launch_pixels(&l, grid->lines, grid->planes, SV_STAGE_THRESHOLD);
 }
 
 static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_context *frame) {
@@ -161,12 +196,14 @@ static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_contex
     own->camera.clip_doubtful = (uint32_t)m->values.of[SV_PARAM_UNSURE] == SV_UNSURE_CLIP;
     const bool told = sv_wall_grid_of(&own->camera, &own->beams, mm, &frame->beams, &settings, &grid);
     sv_status status = sv_wall_launch_all(m, s, work, 0, work->gathered, false, NULL);
-    if (status == SV_OK && told && !(own->holds && frame->beams.same_volume))
-        status = ask_beams(m, s, &grid, frame->continues);
+    if (status == SV_OK && told) status = ask_beams(m, s, &grid, frame);
     if (status != SV_OK) return status;
     own->camera.told = told;
     own->holds = told;
-    return sv_wall_launch_all(m, s, work, work->gathered, work->first_at_q, false, NULL);
+    status = sv_wall_launch_all(m, s, work, work->gathered, work->surrounded, false, NULL);
+    if (status == SV_OK && told) status = mark_limbs(m, s, &grid);
+    if (status != SV_OK) return status;
+    return sv_wall_launch_all(m, s, work, work->surrounded, work->first_at_q, false, NULL);
 }
 
 static sv_status place(const sv_map *m, sv_method_state *s, float q, const sv_depth_target *to) {

@@ -23,6 +23,7 @@ enum {
     SV_WALL_ROW_MAXIMA, /* brightness dilated along x */
     SV_WALL_BRIGHT,
     SV_WALL_FLAGS, /* of cells */
+    SV_WALL_LIMBS, /* along the beams: what floats, LIMB_PLANES words a layer of a plane of beams */
     SV_WALL_RAYS,
     SV_WALL_HISTOGRAMS, /* later the sums of probabilities, SV_WALL_FETUS; then SV_WALL_GAPS */
     SV_WALL_TABLES,
@@ -33,8 +34,8 @@ enum {
     SV_WALL_PLANES,
     SV_WALL_CONFIDENCE,
     SV_WALL_BUFFERS,
-    /* the same of a grid along the beams, from here on; SPANS, SUMS, RANGES, SMOOTHED, TABLES and CONFIDENCE
-     * have no bytes there */
+    /* the same of a grid along the beams, from here on, which alone has LIMBS; SPANS, SUMS, RANGES, SMOOTHED,
+     * TABLES and CONFIDENCE have no bytes there */
     SV_WALL_BEAMS = SV_WALL_BUFFERS,
     SV_WALL_TOLD = SV_WALL_BEAMS + SV_WALL_INFO, /* what the beams say */
     SV_WALL_ALL_BUFFERS = 2 * SV_WALL_BUFFERS
@@ -47,6 +48,7 @@ enum { SV_WALL_WINDOW_SUMS = SV_WALL_SCRATCH };
 typedef enum {
     SV_WALL_ONCE,       /* one work item */
     SV_WALL_ROWS,       /* a work item a row of rays */
+    SV_WALL_ALL_LAYERS, /* a work item a layer */
     SV_WALL_CELL_ROWS,  /* a work item a row of cells */
     SV_WALL_PIXEL_ROWS, /* a work item a row of pixels */
     SV_WALL_WORDS,      /* a work item for 8 columns of cells and SV_WALL_LAYERS layers */
@@ -66,7 +68,8 @@ enum { SV_WALL_BOUNDS = 1, SV_WALL_SCRATCH_WORDS = 2, SV_WALL_RECORD = 4, SV_WAL
 typedef enum {
     SV_WALL_ALWAYS,
     SV_WALL_IF_SMOOTHED,
-    SV_WALL_UNLESS_TOLD /* the beams do not say whether there is a surface */
+    SV_WALL_UNLESS_TOLD, /* the beams do not say whether there is a surface */
+    SV_WALL_FOR_BEAMS    /* along the beams alone */
 } sv_wall_when;
 
 typedef struct {
@@ -82,11 +85,14 @@ typedef struct {
     sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *from);
     /* Makes the blocks of a grid along the beams, in place of the first launches. */
     sv_status (*gather)(const sv_map *map, sv_method_state *state, const sv_wall_grid *grid);
+    int mark;                       /* the kernel that marks a camera's cells where limbs float */
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
     uint32_t count, first_at_q;     /* their number; the first one that depends on q */
     uint32_t
         reconstructs; /* the first one of SV_STAGE_RECONSTRUCT; before it all are of SV_STAGE_THRESHOLD */
     uint32_t gathered, verdict; /* those between are launched for the beams, too, with the latter */
+    uint32_t floated;           /* what comes before it finds limbs along the beams, of those between */
+    uint32_t surrounded;        /* the first one that reads what surrounds cells, and where limbs float */
 } sv_wall_work;
 
 /* The method's own: the layouts of an activation, with what the frame says of them, and their words of
@@ -94,7 +100,8 @@ typedef struct {
 typedef struct {
     sv_wall_layout camera, beams;
     uint32_t camera_words, beam_words;
-    bool holds; /* the answer of the beams holds for the last frame's volume */
+    bool holds;    /* the answer of the beams holds for the last frame's volume */
+    sv_beams seen; /* the beams as the camera of the last frame saw them: where limbs float is its own */
 } sv_wall_own;
 sv_wall_own *sv_wall_own_of(sv_method_state *state);
 

@@ -17,6 +17,9 @@
     KERNEL(FIRST_RUNS, "wall_first_runs") \
     KERNEL(EVIDENCE, "wall_evidence") \
     KERNEL(SURROUNDINGS, "wall_surroundings") \
+    KERNEL(BETWEEN, "wall_between") \
+    KERNEL(FLOATING, "wall_floating") \
+    KERNEL(MARK_LIMBS, "wall_mark_limbs") \
     KERNEL(COSTS, "wall_costs") \
     KERNEL(DECIDE, "wall_decide") \
     KERNEL(BLUR, "wall_blur") \
@@ -87,6 +90,9 @@ static const sv_wall_launch launches[] = {
      .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_SCRATCH, SV_WALL_RELATIVE, SV_WALL_ROW_MAXIMA,
                  SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_HISTOGRAMS, SV_WALL_FLAGS, SV_WALL_FRONTS, -1},
      .takes = SV_WALL_SCRATCH_WORDS},
+    {K_BETWEEN, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_LIMBS, -1},
+     .when = SV_WALL_FOR_BEAMS},
+    {K_FLOATING, SV_WALL_ALL_LAYERS, .buffers = {SV_WALL_LIMBS, -1}, .when = SV_WALL_FOR_BEAMS},
     {K_EVIDENCE, SV_WALL_ONCE, .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
     {K_SURROUNDINGS, SV_WALL_WORDS, .buffers = {SV_WALL_INFO, SV_WALL_BRIGHT, SV_WALL_FLAGS, -1}},
     {K_COSTS, SV_WALL_CELL_ROWS,
@@ -119,9 +125,12 @@ enum { COUNT = sizeof launches / sizeof *launches };
 const sv_wall_work sv_wall_rows = {.kernels = sv_wall_rows_kernels,
                                    .slabs = slabs,
                                    .gather = gather,
+                                   .mark = K_MARK_LIMBS,
                                    .launches = launches,
                                    .count = COUNT,
-                                   .reconstructs = 8,
+                                   .reconstructs = 10,
                                    .first_at_q = COUNT - 2,
                                    .gathered = 2,
-                                   .verdict = 14};
+                                   .verdict = 16,
+                                   .floated = 8,
+                                   .surrounded = 10};

@@ -29,6 +29,8 @@ static sv_status launch_over(sv_launch *l, sv_wall_over over, const sv_wall_layo
         return sv_launch_items(l, 1, stage);
     case SV_WALL_ROWS:
         return sv_launch_items(l, layout->rows, stage);
+    case SV_WALL_ALL_LAYERS:
+        return sv_launch_items(l, layout->layers, stage);
     case SV_WALL_CELL_ROWS:
         return sv_launch_items(l, layout->cells[1], stage);
     case SV_WALL_PIXEL_ROWS:
@@ -67,6 +69,7 @@ sv_status sv_wall_launch_all(const sv_map *m, sv_method_state *s, const sv_wall_
         const sv_wall_launch *w = &work->launches[i];
         if (w->when == SV_WALL_IF_SMOOTHED && !smoothed) continue;
         if (w->when == SV_WALL_UNLESS_TOLD && layout->told) continue;
+        if (w->when == SV_WALL_FOR_BEAMS && !beams) continue;
         sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[w->kernel], work->kernels[w->kernel]);
         sv_launch_arg(&l, sizeof *layout, layout);
         if (w->takes & SV_WALL_BOUNDS) sv_launch_uint(&l, sv_wall_is_bounded(m->config));

@@ -64,7 +64,7 @@ static void lower_confidence(const sv_wall_layout *l, float *confidence) {
 /* Costs the layers and selects the surface, unless the beams say that there is none. `told`: what they say,
  * or NULL. */
 static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *levels,
-                            const sv_wall_evidence *evidence, const sv_wall_outcome *told, float *depth,
+                            const sv_wall_evidence *evidence, const sv_wall_told *told, float *depth,
                             float *confidence, sv_wall_outcome *outcome, sv_wall_facts *facts) {
     const sv_wall_layout *l = scan->layout;
     sv_wall_costs costs;
@@ -72,9 +72,10 @@ static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *leve
     if (!sv_wall_costs_create(scan, evidence, &costs)) return false;
     facts->fetus = (double)costs.fetus / ((double)scan->blocks->rays * SV_WALL_PROBABILITY_ONE);
     bool done = true;
-    if (told) *outcome = *told;
-    if (!told || *told == SV_WALL_SURFACE || *told == SV_WALL_DOUBTFUL) {
-        done = sv_wall_select_surface(scan, levels, &costs, told, depth, confidence, &gaps, outcome);
+    if (told) *outcome = told->outcome;
+    if (!told || told->outcome == SV_WALL_SURFACE || told->outcome == SV_WALL_DOUBTFUL) {
+        done = sv_wall_select_surface(scan, levels, &costs, told ? &told->outcome : NULL, depth, confidence,
+                                      &gaps, outcome);
         if (done && *outcome == SV_WALL_DOUBTFUL) lower_confidence(l, confidence);
     }
     facts->wanted = (double)(*outcome == SV_WALL_NO_FETUS ? sv_wall_fetus_limit(l) : sv_wall_gap_limit(l)) /
@@ -90,18 +91,20 @@ typedef struct {
 } cell_maps;
 
 /* Makes what rays are judged from. False: no memory; the maps must be freed all the same. */
-static bool make_maps(sv_wall_scan *scan, const sv_wall_levels *levels, cell_maps *maps,
-                      sv_wall_evidence *evidence) {
+static bool make_maps(sv_wall_scan *scan, const sv_wall_levels *levels, const sv_wall_told *told,
+                      cell_maps *maps, sv_wall_evidence *evidence) {
     scan->brightness = maps->brightness = sv_wall_brightness_map(scan->layout, scan->blocks);
     if (!maps->brightness) return false;
     sv_wall_evidence_of(scan, levels, evidence);
     scan->surroundings = maps->surroundings = sv_wall_surroundings_map(scan, evidence);
-    return maps->surroundings != NULL;
+    if (!maps->surroundings) return false;
+    if (told && told->limbs) sv_wall_mark_limbs(told, scan->layout, maps->surroundings);
+    return true;
 }
 
 /* The surface of a volume of two classes. */
 static bool surface(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wall_levels *levels,
-                    const sv_wall_outcome *told, float *depth, float *confidence, sv_wall_outcome *outcome,
+                    const sv_wall_told *told, float *depth, float *confidence, sv_wall_outcome *outcome,
                     sv_wall_facts *facts) {
     sv_wall_evidence evidence;
     sv_wall_scan scan = {.layout = l, .blocks = blocks};
@@ -110,7 +113,7 @@ static bool surface(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wa
     sv_wall_skip_near_field(l, blocks);
     sv_wall_fill_dim_fronts(l, blocks);
     sv_wall_part_valleys(l, blocks);
-    bool done = make_maps(&scan, levels, &maps, &evidence);
+    bool done = make_maps(&scan, levels, told, &maps, &evidence);
     if (done) {
         facts->wall_rays = evidence.wall_rays;
         facts->wall = (double)evidence.wall / SV_WALL_LEVEL_ONE;
@@ -123,7 +126,7 @@ static bool surface(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wa
 }
 
 /* Finds the surface of a layout's blocks, if their levels have two classes. */
-static bool surface_of_blocks(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wall_outcome *told,
+static bool surface_of_blocks(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wall_told *told,
                               float *depth, float *confidence, sv_wall_outcome *outcome,
                               sv_wall_facts *facts) {
     uint64_t histogram[256];
@@ -134,15 +137,17 @@ static bool surface_of_blocks(const sv_wall_layout *l, sv_wall_blocks *blocks, c
     return !levels.two || surface(l, blocks, &levels, told, depth, confidence, outcome, facts);
 }
 
-/* Asks for the surface along the beams. */
-static bool ask_beams(const sv_wall_blocks *camera, const sv_wall_grid *grid, const sv_wall_layout *l,
-                      sv_wall_outcome *outcome, sv_wall_facts *facts) {
+/* Asks for the surface along the beams, and for the limbs that float behind it. */
+static bool ask_beams(const sv_wall_blocks *camera, sv_wall_told *told, sv_wall_facts *facts) {
+    const sv_wall_layout *l = told->layout;
     const size_t count = (size_t)l->columns * l->rows;
     sv_wall_blocks blocks;
     float *const maps = malloc(2 * count * sizeof *maps);
-    bool done = maps && sv_wall_gather(camera, grid, l, &blocks);
+    bool done = maps && sv_wall_gather(camera, told->grid, l, &blocks);
     if (done) {
-        done = surface_of_blocks(l, &blocks, NULL, maps, maps + count, outcome, facts);
+        done = surface_of_blocks(l, &blocks, NULL, maps, maps + count, &told->outcome, facts);
+        if (done && told->outcome != SV_WALL_EMPTY)
+            done = (told->limbs = sv_wall_limbs_of(l, &blocks)) != NULL;
         sv_wall_blocks_destroy(&blocks);
     }
     free(maps);
@@ -160,9 +165,9 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     if (!sv_wall_blocks_create(v, &l, &blocks)) return false;
     sv_wall_grid grid;
     sv_wall_facts found, along;
-    sv_wall_outcome said;
+    sv_wall_told said = {.grid = &grid, .layout = &beams};
     const bool told = v->beams && sv_wall_grid_of(&l, &beams, v->spacing_mm, v->beams, &s, &grid);
-    bool done = !told || ask_beams(&blocks, &grid, &beams, &said, &along);
+    bool done = !told || ask_beams(&blocks, &said, &along);
     if (done) done = surface_of_blocks(&l, &blocks, told ? &said : NULL, depth, confidence, outcome, &found);
     if (told) {
         found.gap_share = along.gap_share;
@@ -172,6 +177,7 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     const bool clips = *outcome == SV_WALL_SURFACE || (*outcome == SV_WALL_DOUBTFUL && l.clip_doubtful);
     if (done && !clips) clip_nothing(&l, depth, confidence);
     sv_wall_blocks_destroy(&blocks);
+    free(said.limbs);
     if (done && facts) *facts = found;
     return done;
 }

@@ -109,3 +109,36 @@ bool sv_wall_gather(const sv_wall_blocks *camera, const sv_wall_grid *g, const s
     }
     return true;
 }
+
+/* The blocks first .. end - 1 of `count` that lie near a position along an axis. */
+static void find_near(int64_t at, int32_t near, uint32_t count, uint32_t *first, uint32_t *end) {
+    const int64_t low = at - near, high = at + near, one = 1 << SV_WALL_POSITION_BITS;
+    *first = low <= 0 ? 0 : (uint32_t)((low + one - 1) >> SV_WALL_POSITION_BITS);
+    *end = high < 0 ? 0 : (uint32_t)(high >> SV_WALL_POSITION_BITS) + 1;
+    if (*end > count) *end = count;
+}
+
+static void mark_sample(const sv_wall_grid *g, const sv_wall_layout *camera, const beam *b, uint32_t k,
+                        uint8_t *surroundings) {
+    const uint32_t sides[3] = {camera->columns, camera->rows, camera->layers};
+    uint32_t first[3], end[3];
+    for (int a = 0; a < 3; a++)
+        find_near(b->from[a] + k * b->step[a], g->near[a], sides[a], &first[a], &end[a]);
+    for (uint32_t z = first[2]; z < end[2]; z++)
+        for (uint32_t y = first[1]; y < end[1]; y++)
+            for (uint32_t x = first[0]; x < end[0]; x++)
+                surroundings[((size_t)z * camera->cells[1] + y / 2) * camera->cells[0] + x / 2] |=
+                    SV_WALL_FLOATS;
+}
+
+void sv_wall_mark_limbs(const sv_wall_told *told, const sv_wall_layout *camera, uint8_t *surroundings) {
+    const sv_wall_layout *l = told->layout;
+    const size_t plane = (size_t)l->columns * l->rows;
+    uint32_t tables[SV_WALL_TABLE_WORDS];
+    sv_wall_tables(tables);
+    for (uint32_t ray = 0; ray < plane; ray++) {
+        const beam b = beam_of(told->grid, tables, ray % l->columns, ray / l->columns);
+        for (uint32_t k = b.first; k < l->layers; k++)
+            if (told->limbs[k * plane + ray]) mark_sample(told->grid, camera, &b, k, surroundings);
+    }
+}

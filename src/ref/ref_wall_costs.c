@@ -34,6 +34,7 @@ static uint32_t fetus_probability(const sv_wall_scan *s, const sv_wall_evidence 
     const uint8_t brightness = sv_wall_brightness_at(s, ray, z);
     const uint32_t as_first = e->first_run[brightness], as_later = e->later_run[brightness];
     const uint8_t flags = sv_wall_surroundings_at(s, ray, z);
+    if (flags & SV_WALL_FLOATS) return as_later;
     if (!first->touches || z >= first->end) return flags & SV_WALL_ENCLOSED ? as_first : as_later;
     if (z < first->begin + s->layout->skin) return 0; /* the skin tells nothing */
     if (flags & SV_WALL_FLANKED) return as_later;

@@ -38,6 +38,23 @@ uint8_t *sv_wall_brightness_map(const sv_wall_layout *layout, const sv_wall_bloc
 bool sv_wall_gather(const sv_wall_blocks *camera, const sv_wall_grid *grid, const sv_wall_layout *layout,
                     sv_wall_blocks *blocks);
 
+/* Of every sample of the grid, laid out like its blocks: 1 if a limb floats there (ref_wall_limbs.c). It is
+ * thin tissue behind the first run of its beam, and tissue of first runs, or the side of what was scanned,
+ * reaches it through tissue of its layer from one of four sides at most. `blocks`: with their relative
+ * levels. The caller frees it. */
+uint8_t *sv_wall_limbs_of(const sv_wall_layout *layout, const sv_wall_blocks *blocks);
+
+/* What the beams say. */
+typedef struct {
+    sv_wall_outcome outcome;
+    const sv_wall_grid *grid;
+    const sv_wall_layout *layout; /* the grid's */
+    uint8_t *limbs;               /* NULL: none were looked for */
+} sv_wall_told;
+
+/* Gives the cells of a camera near such samples the flag SV_WALL_FLOATS. */
+void sv_wall_mark_limbs(const sv_wall_told *told, const sv_wall_layout *camera, uint8_t *surroundings);
+
 /* ---- grey levels: the threshold between fluid and tissue (ref_wall_levels.c) */
 
 /* Counts the scanned blocks of one ray a cell: of four rays that overlap by half it tells as much as all. It
@@ -131,7 +148,7 @@ void sv_wall_evidence_of(const sv_wall_scan *scan, const sv_wall_levels *levels,
  * Flanked: connected to the fetus so on the left and on the right, or above and below. One side: on some
  * side only.
  */
-enum { SV_WALL_ENCLOSED = 1, SV_WALL_FLANKED = 2, SV_WALL_ONE_SIDE = 4 };
+enum { SV_WALL_ENCLOSED = 1, SV_WALL_FLANKED = 2, SV_WALL_ONE_SIDE = 4, SV_WALL_FLOATS = 8 };
 
 /* Returns the flags of every cell of every layer, laid out like the brightness map. It does not read
  * `scan->surroundings`. The caller frees the map. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Method wall along the beams (docs/surface.md): where the grid lies, one answer for every camera, and one
- * for a volume as long as it is the same. That the kernels follow the definition is test_wall's.
+ * for a volume as long as it is the same. That the kernels
+ * follow the definition is test_wall's.
  */
 #include "ref/ref_wall_steps.h"
 #include "support/scene_fixture.h"
@@ -182,6 +183,13 @@ static sv_status frame_of(rig *r, stage *t, const scan *s, bool same, bool finis
     return status;
 }
 
+static sv_confidence_report report_of(const rig *r) {
+    sv_confidence_report out = {.size = sizeof out};
+    const sv_ext_confidence *const ext = r->plugin->get_extension(r->plugin, SV_EXT_CONFIDENCE);
+    assert_int_equal(ext->read(r->plugin, NULL, &out), SV_OK);
+    return out;
+}
+
 /* The answer is that of the volume, until a frame shows another one: so it costs nothing while a camera
  * turns, and no other camera changes it. A frame that came to no end told nothing. */
 static void test_an_answer_holds_for_its_volume(void **state) {
@@ -205,7 +213,11 @@ static void test_an_answer_holds_for_its_volume(void **state) {
     assert_int_equal(frame_of(r, t, &hidden, false, true), SV_OK);
     assert_int_equal(frame_of(r, t, &bare, true, true), SV_OK);
     assert_int_equal(frame_of(r, t, &bare, false, true), SV_NO_SURFACE);
+    const sv_confidence_report said = report_of(r);
+    assert_true(said.found < said.wanted);
     assert_int_equal(frame_of(r, t, &hidden, true, true), SV_NO_SURFACE);
+    const sv_confidence_report kept = report_of(r);
+    assert_true(kept.reason == said.reason && kept.found == said.found && kept.wanted == said.wanted);
     (void)frame_of(r, t, &hidden, false, false);
     assert_int_equal(frame_of(r, t, &hidden, true, true), SV_OK);
     /* A frame that tells no beams leaves no answer along them: the next one that does is asked anew. */

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * In both layouts: limbs that float, along the beams (sv_wall_limbs_of), and the cells of a camera that lie
+ * there. The samples of a plane of beams in one layer are a word, and a line is a bit of it: a grid has
+ * SV_WALL_LINES of them at most. `flag_place`, of either layout, says which byte a cell's flags are.
+ */
+#ifndef SV_WALL_BEAMS_CLH
+#include "wall/wall_beams.clh"
+#endif
+#ifdef SV_WALL_ITEMS_CLH
+static size_t flag_place(const sv_wall_layout *l, uint z, uint row, uint x) {
+    return cell_row(l, z, row) + x;
+}
+#else
+#ifndef SV_WALL_SURROUNDINGS_CLH
+#include "wall/wall_surroundings.clh"
+#endif
+static size_t flag_place(const sv_wall_layout *l, uint z, uint row, uint x) {
+    return (word_column(l, row, x / CELLS_OF_WORD) + z) * CELLS_OF_WORD + x % CELLS_OF_WORD;
+}
+#endif
+
+/* Planes of a word for each layer of a plane of beams. */
+#define LIMBS_TISSUE 0
+#define LIMBS_SOURCE 1 /* wall, and what was not scanned */
+#define LIMBS        2 /* tissue between fluid; later, what of it floats */
+#define LIMBS_ABOVE  3 /* reached from above */
+
+/* A limb is at most so many times `full_distance` thick along its beam. */
+#define LIMBS_THICK 2
+
+/* Offset of the first layer of a plane of beams. */
+static size_t limb_column(const sv_wall_layout *l, uint plane, uint row) {
+    return ((size_t)plane * l->rows + row) * l->layers;
+}
+
+/* The bits of a plane of beams in one layer. */
+typedef struct {
+    ulong scanned, tissue, dark;
+} bits_t;
+
+static bits_t bits_of(const sv_wall_layout *l, __global const uchar *relative, __global const ushort *rays,
+                      uint z, uint row) {
+    __global const uchar *const level = relative + level_row(l, z, row);
+    __global const ushort *const first = rays + block_row(l, RAY_FIRST, row);
+    __global const ushort *const end = rays + block_row(l, RAY_END, row);
+    bits_t b = {0, 0, 0};
+    for (uint x = 0; x < l->columns; x++) {
+        b.scanned |= (ulong)((z >= first[x]) & (z < end[x])) << x;
+        b.tissue |= (ulong)(level[x] > SV_WALL_TISSUE) << x;
+        b.dark |= (ulong)(level[x] <= l->dim) << x;
+    }
+    b.tissue &= b.scanned;
+    b.dark &= b.scanned;
+    return b;
+}
+
+/* Drops runs that are longer than `most`: where `most` more follow, a run is, and so is its rest. */
+static void drop_thick(__global ulong *between, uint layers, uint most) {
+    ulong thick = 0;
+    for (uint z = 0; z < layers; z++) {
+        ulong follow = z + most < layers ? between[z] : 0;
+        for (uint i = 1; i <= most && follow; i++) follow &= between[z + i];
+        thick = between[z] & (thick | follow);
+        between[z] &= ~thick;
+    }
+}
+
+/* One work item per plane of beams: the words of its layers. */
+__kernel void wall_between(sv_wall_layout l, __global const uint *restrict info,
+                           __global const uchar *restrict relative, __global const ushort *restrict rays,
+                           __global ulong *restrict limbs) {
+    const uint row = (uint)get_global_id(0);
+    const bool wanted = info[SV_WALL_INFO_OUTCOME] != SV_WALL_EMPTY;
+    __global ulong *const tissue = limbs + limb_column(&l, LIMBS_TISSUE, row);
+    __global ulong *const source = limbs + limb_column(&l, LIMBS_SOURCE, row);
+    __global ulong *const between = limbs + limb_column(&l, LIMBS, row);
+    ulong wall = ~0UL, behind = 0;
+    for (uint z = 0; z < l.layers; z++) {
+        const bits_t b = wanted ? bits_of(&l, relative, rays, z, row) : (bits_t){0, 0, 0};
+        wall &= ~b.dark;
+        tissue[z] = b.tissue;
+        source[z] = (b.tissue & wall) | ~b.scanned;
+    }
+    for (uint z = l.layers; z-- > 0;) {
+        behind |= ~(tissue[z] | source[z]);
+        between[z] = tissue[z] & ~source[z] & behind;
+    }
+    drop_thick(between, l.layers, LIMBS_THICK * l.full_distance);
+}
+
+/* What `from` reaches through tissue upwards, and downwards. */
+static ulong reached_up(ulong from, ulong tissue) {
+    for (uint step = 1; step < SV_WALL_LINES; step *= 2) {
+        from |= tissue & (from << step);
+        tissue &= tissue << step;
+    }
+    return from;
+}
+
+static ulong reached_down(ulong from, ulong tissue) {
+    for (uint step = 1; step < SV_WALL_LINES; step *= 2) {
+        from |= tissue & (from >> step);
+        tissue &= tissue >> step;
+    }
+    return from;
+}
+
+/* One work item per layer: what floats is reached from one side at most. Nothing was scanned outside the
+ * grid. */
+__kernel void wall_floating(sv_wall_layout l, __global ulong *restrict limbs) {
+    const uint z = (uint)get_global_id(0);
+    const size_t pitch = limb_column(&l, 0, 1);
+    __global const ulong *tissue = limbs + limb_column(&l, LIMBS_TISSUE, 0) + z;
+    __global const ulong *source = limbs + limb_column(&l, LIMBS_SOURCE, 0) + z;
+    __global ulong *floats = limbs + limb_column(&l, LIMBS, 0) + z;
+    __global ulong *above = limbs + limb_column(&l, LIMBS_ABOVE, 0) + z;
+    ulong reached = ~0UL;
+    for (size_t at = 0; at < l.rows * pitch; at += pitch)
+        above[at] = reached = source[at] | (tissue[at] & reached);
+    reached = ~0UL;
+    for (size_t at = l.rows * pitch; at > 0;) {
+        at -= pitch;
+        const ulong through = tissue[at], last = 1UL << (SV_WALL_LINES - 1);
+        const ulong left = reached_up(source[at] | (through & 1UL), through);
+        const ulong right = reached_down(source[at] | (through & last), through);
+        reached = source[at] | (through & reached);
+        floats[at] &= ~((left & right) | (above[at] & reached) | ((left | right) & (above[at] | reached)));
+    }
+}
+
+/* The blocks from .. to - 1 of `count` that lie near a position along an axis. */
+static uint2 blocks_near(int at, int near, uint count) {
+    const int one = 1 << SV_WALL_POSITION_BITS;
+    const int from = (at - near + one - 1) >> SV_WALL_POSITION_BITS,
+              to = ((at + near) >> SV_WALL_POSITION_BITS) + 1;
+    return (uint2)((uint)max(from, 0), (uint)clamp(to, 0, (int)count));
+}
+
+/* Gives the cells near sample k of a beam CELL_FLOATS. */
+static void mark_sample(const sv_wall_layout *l, const sv_wall_grid *g, const beam_t *b, uint k,
+                        __global uint *flags) {
+    const uint2 x = blocks_near(b->from[0] + (int)k * b->step[0], g->near[0], l->columns);
+    const uint2 y = blocks_near(b->from[1] + (int)k * b->step[1], g->near[1], l->rows);
+    const uint2 z = blocks_near(b->from[2] + (int)k * b->step[2], g->near[2], l->layers);
+    if (x.x >= x.y || y.x >= y.y) return;
+    for (uint layer = z.x; layer < z.y; layer++)
+        for (uint row = y.x / 2; row <= (y.y - 1) / 2; row++)
+            for (uint column = x.x / 2; column <= (x.y - 1) / 2; column++) {
+                const size_t place = flag_place(l, layer, row, column);
+                atomic_or(flags + place / 4, (uint)CELL_FLOATS << 8 * (place % 4));
+            }
+}
+
+/* One work item per beam, for a camera, `l`: marks the cells where limbs float along its beam. `limbs`: a
+ * plane of words. */
+__kernel void wall_mark_limbs(sv_wall_layout l, sv_wall_grid g, __global const uint *restrict tables,
+                              __global const ulong *restrict limbs, __global uint *restrict flags) {
+    const uint line = (uint)get_global_id(0), plane = (uint)get_global_id(1);
+    if (line >= g.lines) return;
+    ulong any = 0;
+    limbs += ((size_t)LIMBS * g.planes + plane) * g.samples;
+    for (uint k = 0; k < g.samples; k++) any |= limbs[k];
+    if (!(any >> line & 1)) return;
+    const beam_t b = beam_of(&g, tables, line, plane);
+    for (uint k = b.first; k < g.samples; k++)
+        if (limbs[k] >> line & 1) mark_sample(&l, &g, &b, k, flags);
+}
