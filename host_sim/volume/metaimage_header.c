@@ -318,6 +318,16 @@ static bool check_probe(const hs_met_text *text, hs_probe *probe, bool *stated) 
                                   "three letters, one of M U, one of N F and one of A D, or XX");
 }
 
+/* UltrasoundApex, a field of ours, of a volume whose probe is stated. */
+static bool check_apex(const hs_met_text *text, hs_met_header *h) {
+    uint64_t found;
+    if (!hs_met_has(text, HS_MET_F_APEX)) return true;
+    h->apex_said = read_numbers(text->fields[HS_MET_F_APEX].value, 3, 3, h->apex, &found) && found == 3;
+    return (h->apex_said && h->probe_stated) ||
+           hs_met_bad_value(text, HS_MET_F_APEX,
+                            "three numbers (mm from the corner), beside UltrasoundImageOrientation");
+}
+
 bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) {
     hs_met_text text;
     memset(header, 0, sizeof *header);
@@ -326,7 +336,7 @@ bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) 
     ok = ok && check_dims(&text, header) && check_unit(&text, header) && check_spacing(&text, header) &&
          check_type(&text, header) && check_encoding(&text, header) && check_data_file(&text, header) &&
          check_pose(&text, header->dims, header->unit, &header->pose) &&
-         check_probe(&text, &header->probe, &header->probe_stated);
+         check_probe(&text, &header->probe, &header->probe_stated) && check_apex(&text, header);
     ok = ok &&
          hs_met_kinds(&text, header->dims, header->spacing[2] != 1.0 || header->pose.origin[2] != 0.0) &&
          (hs_met_is_cut(&text, header->dims) || hs_met_frames(&text, header->frames, &header->fields));

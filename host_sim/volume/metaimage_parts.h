@@ -35,7 +35,8 @@ enum { HS_MET_SHOWN_BYTES = 64 }; /* of a value in a message */
     X(ANATOMICAL, "AnatomicalOrientation")                                                                   \
     X(NOTES, "ITK_FileNotes")                                                                                \
     X(KINDS, "Kinds")                                                                                        \
-    X(ULTRASOUND, "UltrasoundImageOrientation")
+    X(ULTRASOUND, "UltrasoundImageOrientation")                                                              \
+    X(APEX, "UltrasoundApex")
 #define HS_MET_FIELD_ID(id, name) HS_MET_F_##id,
 typedef enum { HS_MET_FIELDS(HS_MET_FIELD_ID) HS_MET_F_COUNT } hs_met_field;
 #undef HS_MET_FIELD_ID
@@ -121,6 +122,8 @@ typedef struct {
     hs_pose pose;
     hs_probe probe;
     bool probe_stated; /* else it is a guess */
+    double apex[3];    /* where the lines met, mm from the volume's corner, if apex_said */
+    bool apex_said;
     hs_met_type type;
     const char *type_name; /* static, "MET_UCHAR" */
     uint32_t element_bytes;

@@ -204,6 +204,8 @@ void hs_metaimage_shape(const hs_metaimage *m, hs_volume *shape) {
     shape->spacing_unsaid = !given && !h->spacing_stated;
     if (m->options.has_probe || h->probe_stated)
         hs_volume_scanned_from(shape, m->options.has_probe ? m->options.probe : h->probe);
+    shape->apex_said = h->apex_said && !given && shape->probe == h->probe;
+    memcpy(shape->apex, h->apex, sizeof shape->apex);
     const char *slash = strrchr(m->path, '/');
     (void)snprintf(shape->name, sizeof shape->name, "%s", slash ? slash + 1 : m->path);
 }

@@ -36,6 +36,16 @@ def read(path: Path) -> tuple[NDArray[Any], tuple[float, ...]]:
     return np.frombuffer(data, _TYPES[fields["ElementType"]]).reshape(shape).copy(), spacing
 
 
+def say_probe(path: Path, side: str, apex: tuple[float, ...] | None) -> None:
+    """Writes into a .mha file at which side the probe was, as PLUS does, and where the lines met that scanned it."""
+    letters = ["U", "A"]  # the first axis as "M" would make PLUS' constant, which says nothing
+    letters.insert("xyz".index(side[1]), "F" if side[0] == "-" else "N")
+    lines = [f"UltrasoundImageOrientation = {''.join(letters)}"]
+    lines += [f"UltrasoundApex = {' '.join(map(repr, apex))}"] if apex else []
+    head, last, voxels = path.read_bytes().partition(b"\nElementDataFile")
+    path.write_bytes(b"\n".join([head, *(line.encode() for line in lines)]) + last + voxels)
+
+
 def write(path: Path, values: NDArray[Any], spacing: tuple[float, ...] = (1.0, 1.0, 1.0)) -> None:
     """A volume [z, y, x] or a map [y, x] of one of these types as the host reads it."""
     types = {dtype: name for name, dtype in _TYPES.items()}

@@ -12,9 +12,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from urllib.parse import parse_qs, quote, urlencode, urlsplit
 
-from . import _host
+from . import _host, _images, _metaimage
 from ._errors import HostError, OutputError
 from ._files import Source, stem, write_image
+from ._text import plain
 
 _SECONDS = 600  # that the console may take for a copy
 
@@ -58,22 +59,31 @@ def running(more: Sequence[str]) -> Iterator[tuple[subprocess.Popen[str], Page]]
             process.terminate()
 
 
-def volumes(paths: Sequence[str]) -> Iterator[tuple[Path, str]]:
-    """Every volume of the files as a MetaImage, which lasts until the next one is asked for, and its name."""
+def volumes(paths: Sequence[str]) -> Iterator[tuple[Path, str, str]]:
+    """Every volume of the files as a MetaImage, which lasts until the next one is asked for, its name, and what is to
+    be told of its file."""
     for path in map(Path, paths):
         source = Source(path)
         for number in range(source.count):
             with tempfile.TemporaryDirectory(prefix="smartvis_") as folder:
                 end = f"_{number:03}" if source.count > 1 else ""
                 name = f"{stem(path)}{end}.mha"
-                yield write_image(Path(folder) / "volume.mha", source.read(number)), name
+                image = source.read(number)
+                file, said = write_image(Path(folder) / "volume.mha", image), _images.said(image)
+                if said.side is not None:
+                    _metaimage.say_probe(file, said.side, said.apex)
+                yield file, name, said.told
 
 
 def open_files(paths: Sequence[str], more: Sequence[str]) -> int:
     """Opens files in a console and prints its address, which shows the first of them. Returns its exit code when it
     ends."""
     with running(more) as (process, page):
-        copies = [page.drop(file, name) for file, name in volumes(paths)]
+        copies = []
+        for file, name, told in volumes(paths):
+            copies.append(page.drop(file, name))
+            if told:
+                print(plain(f"{name}: {told}"), file=sys.stderr)
         first = "#file=0:" + quote(copies[0], safe="") if copies else ""
         print(f"Console  {page.address}{first}")
         sys.stdout.flush()

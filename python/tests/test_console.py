@@ -8,7 +8,13 @@ from urllib.parse import unquote
 
 import numpy as np
 import SimpleITK as sitk
-from conftest import LONG, SOURCE, layers, write_dicom
+from conftest import LONG, SOURCE, host, layers, write_dicom
+from makers import two_places
+from makers_dicom import far_probe
+
+from smartvis import clip
+from smartvis import scene as of_scene
+from smartvis.console import volumes
 
 sys.path.insert(0, str(SOURCE / "tests" / "host_sim" / "console"))
 from console_client import Address, Page  # type: ignore[import-not-found]
@@ -50,6 +56,23 @@ def test_formats_are_one_volume(tmp_path):
     finally:
         began.kill()
         began.communicate()
+
+
+def test_what_a_file_says_of_probe_and_place_is_told(tmp_path):
+    """The fan's apex, and which of two places counts."""
+    scan = of_scene("D01", size=96).full[::2]
+    far_probe(tmp_path / "far.dcm", scan)
+    two_places(tmp_path / "two.nii", scan)
+    clipped = clip(str(tmp_path / "far.dcm")).beams
+    told = {name: (host("info", file)[1], what) for file, name, what in volumes([str(tmp_path / "far.dcm")])}
+    assert f"beams: {clipped}\n" in told["far.mha"][0] and told["far.mha"][1] == ""
+    began = smartvis(tmp_path / "two.nii")
+    try:
+        assert began.stdout.readline().startswith("Console  ")
+    finally:
+        began.terminate()
+        said = began.communicate(timeout=LONG)[1]
+    assert said.startswith("two.mha: Its qform and its sform disagree, by 30 degrees")
 
 
 def test_what_is_no_volume_is_told(tmp_path):
