@@ -72,6 +72,7 @@ _SAID = (  # what SimpleITK's libraries say, and what it means
     (r"couldn't parse three ints", "a data file's name has a %, which NRRD takes for a pattern of names: rename it"),
     (r"Unable to determine ImageIO", "its header is damaged: it is not what its name says"),
     (r"spacing \((.*?)\) invalid", "a spacing is {}, expected lengths above 0"),
+    (r"nrrdTypeBlock", "its values are of type block, expected numbers"),
     (r"has a direction vector", "it has spacings and space directions, of which only one may be there"),
     (r"orthonormal", RIGHT_ANGLES),
     (r"unexpected scales in sform", "its sform and its pixdim disagree about how far apart voxels are"),

@@ -53,11 +53,13 @@ def check_marks(path: Path, fields: dict[str, str]) -> None:
 
 
 def check_kinds(path: Path, fields: dict[str, str]) -> bool:
-    """Whether Kinds says that an axis is a list or time. FileError: another one than ITK can take for it."""
+    """Whether a NRRD's kinds say that an axis is a list or time. FileError: another one than ITK can take for it."""
+    if "ndims" in fields:  # MetaImage, of which the machine knows more
+        return False
     kinds = fields.get("kinds", "").replace('"', "").split()
     over_time = [axis for axis, kind in enumerate(kinds) if kind in ("list", "time")]
     if over_time == [2] and len(kinds) == 3:
-        count = fields.get("sizes", fields.get("dimsize", "")).split()[2:]
+        count = fields.get("sizes", "").split()[2:]
         raise FileError(f"{path}: Kinds says that it holds {''.join(count)} pictures over time, not a volume")
     for axis in over_time:
         if axis != len(kinds) - 1 and (axis, kinds[axis]) != (0, "list"):
@@ -100,8 +102,6 @@ def says_spacing(path: Path, fields: dict[str, str], reader: Any, head: _nifti.H
     if name.endswith((".nrrd", ".nhdr")):
         told = fields.get("spacings", "") or fields.get("spacedirections", "")
         return sum(not re.search("nan|none", part) for part in re.findall(r"\([^)]*\)|\S+", told.lower())) >= 3
-    if name.endswith((".mha", ".mhd")):
-        return "elementspacing" in fields or "elementsize" in fields
     if reader.HasMetaDataKey("pixdim[1]"):
         apart = {float(reader.GetMetaData(f"pixdim[{axis}]")) for axis in (1, 2, 3)}
         has_unit = int(float(reader.GetMetaData("xyzt_units"))) & 7
@@ -168,32 +168,43 @@ def side(letters: str) -> str:
 
 
 def patched(path: Path, fields: dict[str, str]) -> Any:
-    """A copy of a MetaImage of four dimensions with a matrix and places of four, which SUPRA leaves at three and ITK
-    cannot read; None: it needs none."""
+    """A copy of a MetaImage that ITK reads wrongly or not at all: of four dimensions with a matrix and places of three,
+    as SUPRA writes it, or compressed without CompressedDataSize; None: it needs none."""
     numbers = fields.get("transformmatrix", "").split()
-    if fields.get("ndims") != "4" or len(numbers) != 9:
+    is_of_three = fields.get("ndims") == "4" and len(numbers) == 9
+    is_unsized = fields.get("compresseddata", "").lower() in ("true", "t", "1") and "compresseddatasize" not in fields
+    if not is_of_three and not is_unsized:
         return None
     data = path.read_bytes()
     head, line, rest = data.partition(b"ElementDataFile")
     value, _, voxels = rest.partition(b"\n")
+    skipped = int(fields.get("headersize", 0))
     if b"LOCAL" not in value.upper():
         name = os.fsdecode(value.split(b"=", 1)[1].strip())
-        value, voxels = b" = LOCAL", (path.parent / name).read_bytes()
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.reshape([float(n) for n in numbers], (3, 3))
-    lines = [f"TransformMatrix = {' '.join(str(n) for n in matrix.ravel())}".encode()]
-    for name, more in (("Offset", "0"), ("ElementSpacing", "1"), ("CenterOfRotation", "0")):
-        told = fields.get(name.lower(), "").split()
-        lines += [f"{name} = {' '.join([*told, more][:4])}".encode()] if told else []
-    kept = [
-        part
-        for part in head.splitlines()
-        if part.split(b"=")[0].strip() not in (b"TransformMatrix", b"Offset", b"ElementSpacing", b"CenterOfRotation")
-    ]
+        value, voxels = b" = LOCAL", (path.parent / name).read_bytes()[max(skipped, 0) :]
+    elif skipped > 0:
+        voxels = data[skipped:]
+    lines = _in_four(fields, numbers) if is_of_three else []
+    lines += [f"CompressedDataSize = {len(voxels)}"] if is_unsized else []
+    lines += ["HeaderSize = 0"] if skipped > 0 else []
+    written = {line.split(" =")[0].encode() for line in lines}
+    kept = [part for part in head.splitlines() if re.split(rb"[=:]", part)[0].strip() not in written]
     copy = tempfile.NamedTemporaryFile(suffix=".mha")  # noqa: SIM115  # lives as long as its reader
-    copy.write(b"\n".join([*kept[:2], *lines, *kept[2:]]) + b"\n" + line + value + b"\n" + voxels)
+    encoded = [line.encode() for line in lines]
+    copy.write(b"\n".join([*kept[:2], *encoded, *kept[2:]]) + b"\n" + line + value + b"\n" + voxels)
     copy.flush()
     return copy
+
+
+def _in_four(fields: dict[str, str], numbers: list[str]) -> list[str]:
+    """Fields of three numbers with a fourth."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.reshape([float(n) for n in numbers], (3, 3))
+    lines = [f"TransformMatrix = {' '.join(str(n) for n in matrix.ravel())}"]
+    for name, more in (("Offset", "0"), ("ElementSpacing", "1"), ("CenterOfRotation", "0")):
+        told = fields.get(name.lower(), "").split()
+        lines += [f"{name} = {' '.join([*told, more][:4])}"] if told else []
+    return lines
 
 
 def first_bytes(path: Path) -> bytes:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from . import _content
 
 _BYTES = 348
+FIRST = 352  # byte of a voxel at the least, in a file that holds header and voxels
 _LABELS = 1002  # NIFTI_INTENT_LABEL
 _TURNED = 0.1  # degrees, and ...
 _APART = 0.1  # ... mm, that are worth a word
@@ -29,6 +30,7 @@ class Header:
     qform: NDArray[np.float64] | None  #: [3, 4]; None: its code is 0
     sform: NDArray[np.float64] | None
     is_labels: bool  #: its values are labels, not a picture's
+    begins: float  #: byte of the first voxel, of a file that holds both; else 352
 
 
 def header(path: Path) -> Header | None:
@@ -39,13 +41,15 @@ def header(path: Path) -> Header | None:
         order = "<" if head[:2] > head[2:4] else ">"
         (intent,) = struct.unpack_from(f"{order}h", head, 68)
         sizes = struct.unpack_from(f"{order}8f", head, 76)
+        (begins,) = struct.unpack_from(f"{order}f", head, 108)
         codes = struct.unpack_from(f"{order}2h", head, 252)
         turn = struct.unpack_from(f"{order}6f", head, 256)
         rows = np.array(struct.unpack_from(f"{order}12f", head, 280)).reshape(3, 4)
     except (OSError, EOFError, struct.error, zlib.error):
         return None
     qform = _of_quaternion(turn[:3], turn[3:], sizes) if codes[0] > 0 else None
-    return Header(sizes[1:4], qform, rows if codes[1] > 0 else None, intent == _LABELS)
+    sform = rows if codes[1] > 0 else None
+    return Header(sizes[1:4], qform, sform, intent == _LABELS, begins if head[344:347] == b"n+1" else FIRST)
 
 
 def lacks_lengths(head: Header) -> bool:

@@ -42,6 +42,7 @@ class Reader:
         self._reader: Any = None
         self._unchecked = self.path.suffix.lower() in (".mha", ".mhd")
         self._host_says_patient = False
+        self._host_lacks_spacing = False
         self._told: list[str] = []  # what a user may take otherwise than we do
         self._whole: Any = None
         self._dicom: list[_dicom.Volume] = []
@@ -107,6 +108,8 @@ class Reader:
         what = "a segmentation of 3D Slicer" if "segment0_id" in self._fields else what
         if what:
             raise FileError(f"{self.path}: it is no scan, but made of one ({what})")
+        if self._nifti and not self._nifti.begins >= _nifti.FIRST:
+            raise FileError(f"{self.path}: vox_offset is {self._nifti.begins:g}, expected {_nifti.FIRST} at least")
 
     def _open_folder(self) -> None:
         for inside in self.path.iterdir():
@@ -176,6 +179,7 @@ class Reader:
         try:
             said = _host.run(["info", "--", str(self.path)])
             self._host_says_patient = "\n  in the patient: not said" not in said
+            self._host_lacks_spacing = "does not say how far apart" in said
             letters = re.search(r"^  (AnatomicalOrientation says .*)$", said, re.MULTILINE)
             self._told += [letters[1]] if letters else []
         except HostError as error:
@@ -256,7 +260,7 @@ class Reader:
         if other:
             image.SetSpacing([self._scale * length for length in other])
         said = other or _geometry.says_spacing(self.path, self._fields, self._reader, self._nifti)
-        if tiff is None or not said:
+        if tiff is None or not said or self._host_lacks_spacing:
             image.SetMetaData(_images.NOT_SAID, "1")
         side = _geometry.side(self._fields.get("ultrasoundimageorientation", ""))
         if side:

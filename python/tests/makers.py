@@ -4,6 +4,7 @@
 import gzip
 import shutil
 import struct
+import zlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -49,6 +50,26 @@ def labelled(path: Path, voxels: np.ndarray) -> None:
     written(voxels, path)
     data = bytearray(path.read_bytes())
     data[68:70] = struct.pack("<h", 1002)
+    path.write_bytes(data)
+
+
+def block(path: Path, voxels: np.ndarray) -> None:
+    """A NRRD whose values are no numbers."""
+    nrrd(path, voxels, "block size: 1")
+    path.write_bytes(path.read_bytes().replace(b"uchar", b"block"))
+
+
+def deflated(path: Path, voxels: np.ndarray) -> None:
+    """A compressed MetaImage that does not say of how many bytes."""
+    meta(path, voxels[:0], MM, "CompressedData = True")
+    path.write_bytes(path.read_bytes() + zlib.compress(voxels.tobytes()))
+
+
+def within(path: Path, voxels: np.ndarray) -> None:
+    """A NIfTI whose voxels begin with its header."""
+    written(voxels, path)
+    data = bytearray(path.read_bytes())
+    data[108:112] = bytes(4)
     path.write_bytes(data)
 
 

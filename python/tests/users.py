@@ -11,7 +11,9 @@ from makers import (
     Make,
     beat,
     big_endian,
+    block,
     deep,
+    deflated,
     fan,
     in_db,
     in_members,
@@ -29,6 +31,7 @@ from makers import (
     reworded,
     two_places,
     vtk,
+    within,
     written,
 )
 from makers_dicom import (
@@ -133,6 +136,8 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "made.seg.nrrd": (
         lambda path, v: nrrd(path, v, "spacings: 1.25 1.25 2.5", "Segment0_ID:=Segment_1", "Segment0_Name:=tissue"), 3,
         "it is no scan, but made of one (a segmentation of 3D Slicer)"),
+    "within.nii": (within, 3, "vox_offset is 0, expected 352 at least"),
+    "block.nrrd": (block, 3, "its values are of type block, expected numbers"),
     "labels.nii": (labelled, 3, "it is no scan, but made of one (a label map)"),
     "oblique.dcm": (
         lambda path, v: enhanced(path, v, across=(1, 0, 0, 0.3, 1, 0)), 3,
@@ -272,6 +277,10 @@ FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is
     "furlong.mha": (
         lambda path, v: meta(path, v, MM, "DistanceUnits = furlong"),
         ":4: DistanceUnits is 'furlong', expected mm, cm, m, um or ?"),
+    "deflated.mha": (deflated, ""),
+    "lower.mha": (
+        lambda path, v: meta(path, v, "elementspacing = 1.25 1.25 2.5"), "does not say how far apart its voxels are"),
+    "listed.mha": (lambda path, v: meta(path, v, MM, "Kinds = domain domain list"), ""),
     "cm.mha": (lambda path, v: meta(path, v, "ElementSpacing = .125 .125 .25"), "its spacing in centimetres?"),
     "um.mha": (lambda path, v: meta(path, v, "ElementSpacing = 1250 1250 2500"), "its spacing in micrometres?"),
     "uneven.mha": (lambda path, v: meta(path, v, "ElementSpacing = .1 .1 2.5"), "times as long as another"),
