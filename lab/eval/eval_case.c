@@ -19,9 +19,9 @@
 /* ---------------------------------------------------------------------------------------------- volume -- */
 
 /* The files of a case, in the order of its name. */
-enum { FULL, TRUTH, LABEL, FIRST, END, PARTS };
+enum { FULL, TRUTH, LABEL, FIRST, END, REFERENCE, PARTS };
 
-/* "FULL,TRUTH,LABEL" or "FULL,TRUTH,LABEL,FIRST,END" in its parts: how many there are, 0 if it is neither. */
+/* "FULL,TRUTH,LABEL[,FIRST,END][,REFERENCE]" in its parts: how many there are, 0 if it is no such text. */
 static int split(const char *text, char part[PARTS][SYS_PATH]) {
     for (int i = 0; i < PARTS; i++) {
         const char *comma = strchr(text, ',');
@@ -29,7 +29,10 @@ static int split(const char *text, char part[PARTS][SYS_PATH]) {
         if (length == 0 || length >= SYS_PATH) return 0;
         memcpy(part[i], text, length);
         part[i][length] = '\0';
-        if (!comma) return i == LABEL || i == END ? i + 1 : 0;
+        if (!comma) {
+            if (i == FIRST) memcpy(part[REFERENCE], part[FIRST], length + 1);
+            return i >= LABEL ? i + 1 : 0;
+        }
         text += length + 1;
     }
     return 0;
@@ -105,6 +108,16 @@ static void note_doubts(const hs_volume *volume, char *out, size_t bytes) {
         (void)snprintf(out + used, bytes - used, "%sBeams: %s.", used ? " " : "", beams);
 }
 
+/* The truth, or what an expert left of the volume: in its place, and on its grid. */
+static bool read_beside(hs_volume *out, const hs_volume *volume, const char *path, bool ranged,
+                        const hs_metaimage_options *read, hs_error *err) {
+    static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
+    if (!(ranged ? hs_metaimage_read(path, &as_it_is, out, err) : hs_volume_file_read(path, out, err)))
+        return false;
+    if (read->has_spacing) memcpy(out->spacing, read->spacing, sizeof read->spacing);
+    return check_truth(volume, out, path, err);
+}
+
 static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_error *err) {
     /* Labels of 0 are labels: no zero is raised. */
     static const hs_metaimage_options as_it_is = {.padding = HS_PADDING_ALL};
@@ -113,16 +126,13 @@ static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_err
     const int parts = split(names, part);
     if (parts == 0)
         return hs_fail(err, HS_ERR_USAGE,
-                       "'%s': expected three files, FULL,TRUTH,LABEL, or five, FULL,TRUTH,LABEL,FIRST,END",
-                       names);
-    const bool ranged = parts == PARTS;
+                       "'%s': expected three to six files, FULL,TRUTH,LABEL[,FIRST,END][,REFERENCE]", names);
+    const bool ranged = parts > END, compared = parts == FIRST + 1 || parts == REFERENCE + 1;
     if (!open_full(s, part, ranged, &request->read, err)) return false;
     const hs_volume *volume = hs_source_volume(&s->source, 0);
-    const bool read = ranged ? hs_metaimage_read(part[TRUTH], &as_it_is, &s->given_truth, err)
-                             : hs_volume_file_read(part[TRUTH], &s->given_truth, err);
-    if (read && request->read.has_spacing)
-        memcpy(s->given_truth.spacing, request->read.spacing, sizeof request->read.spacing);
-    if (!read || !check_truth(volume, &s->given_truth, part[TRUTH], err) ||
+    hs_volume *const reference = compared ? &s->given_reference : NULL;
+    if (!read_beside(&s->given_truth, volume, part[TRUTH], ranged, &request->read, err) ||
+        (reference && !read_beside(reference, volume, part[REFERENCE], ranged, &request->read, err)) ||
         !hs_metaimage_read(part[LABEL], &as_it_is, &s->given_label, err) ||
         !check_label(volume, &s->given_label, part[LABEL], err))
         return false;
@@ -132,6 +142,7 @@ static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_err
                            : NULL;
         if (!maps) return false;
         hs_scanned_maps_mark(&s->given_truth, maps);
+        if (reference) hs_scanned_maps_mark(reference, maps);
         free(maps);
     }
     s->label = s->given_label.voxels;
@@ -161,6 +172,7 @@ bool hs_eval_source_open(hs_eval_source *source, const hs_eval_request *request,
 void hs_eval_source_close(hs_eval_source *source) {
     hs_source_close(&source->source);
     hs_volume_free(&source->given_truth);
+    hs_volume_free(&source->given_reference);
     hs_volume_free(&source->given_label);
     *source = (hs_eval_source){0};
 }

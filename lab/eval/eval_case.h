@@ -11,11 +11,12 @@
 /* Where a case of the evaluation comes from: a scene, or files with a ground truth. */
 
 typedef struct {
-    /* A built-in scene, a scene file, or "FULL,TRUTH,LABEL[,FIRST,END]": files. FULL and TRUTH are volumes of
-     * the same size and spacing, MetaImage or Kretz, of which the Cartesian copy counts; LABEL is MetaImage,
-     * and has one slice of as many columns, with HS_LABEL_* in it. FIRST and END, for MetaImage volumes, are
-     * maps of what was scanned of every ray (hs_scanned_maps_load) with FIRST <= END; a ray with a label has
-     * FIRST < END. Without them the zeros of FULL tell, as HS_PADDING_AUTO reads them. */
+    /* A built-in scene, a scene file, or "FULL,TRUTH,LABEL[,FIRST,END][,REFERENCE]": files. FULL and TRUTH
+     * are volumes of the same size and spacing, MetaImage or Kretz, of which the Cartesian copy counts; LABEL
+     * is MetaImage, and has one slice of as many columns, with HS_LABEL_* in it. FIRST and END, for MetaImage
+     * volumes, are maps of what was scanned of every ray (hs_scanned_maps_load) with FIRST <= END; a ray with
+     * a label has FIRST < END. Without them the zeros of FULL tell, as HS_PADDING_AUTO reads them. REFERENCE
+     * is FULL as an expert edited it, for the eye. */
     const char *name;
     uint32_t size;             /* voxels per axis of a scene */
     uint32_t lowres;           /* pixels of the map per axis; 0: hs_loop_lowres */
@@ -30,6 +31,7 @@ typedef struct {
     const uint8_t *label;             /* nx * ny, in the scene or in `given_label` */
     hs_volume given_truth;            /* of files; zeroed for scenes */
     hs_volume given_label;            /* the same */
+    hs_volume given_reference;        /* what an expert left of it; zeroed: not given */
     char doubt[HS_DOUBT_BYTES + 160]; /* of files: what is doubtful of size or the probe's side, or "" */
 } hs_eval_source;
 

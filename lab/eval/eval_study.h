@@ -183,6 +183,7 @@ typedef struct {
     bool truth_cut;          /* the truth's picture shows a cut (hs_truth_shows_cut) */
     bool sure;               /* the plugin gave a confidence, and its picture is there */
     char doubt[400];         /* hs_eval_source */
+    bool has_reference;      /* there is a picture of it */
     char note[200];          /* of the plain result: why it is not clipped, or not all of it; "": it is */
     uint32_t turns;          /* pictures of the knob: 0 if it cannot be turned */
     double turn[HS_EVAL_TURNS];

@@ -64,8 +64,9 @@ static bool take_quick(void *target, const char *text, hs_error *err) {
 static const hs_option options[] = {
     HS_TEXT("out", "DIR", AT(out), "folder for everything [out/report]"),
     HS_TAKEN("case", "NAME", 0, take_case,
-             "a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END];\n"
-             "the last two are every ray's first scanned slice and the first one behind the scan;\n"
+             "a built-in scene, a scene file, or files FULL,TRUTH,LABEL[,FIRST,END][,REFERENCE];\n"
+             "FIRST and END are every ray's first scanned slice and the first one behind the scan;\n"
+             "REFERENCE is the volume as an expert edited it, drawn beside the truth;\n"
              "repeatable [E01 .. E04, M01 .. M03, D01, D02]"),
     HS_TAKEN("hard", NULL, 0, take_hard,
              "the hard cases, H01 and on (docs/scenes.md); with --case those, too"),

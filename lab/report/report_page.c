@@ -76,6 +76,9 @@ static void put_plain_case(hs_page *report, const hs_eval_study *study, uint32_t
     hs_eval_page_show(report, study, index, "result.png", "rendering of the result", caption);
     hs_eval_page_show(report, study, index, "truth.png", "rendering of the ground truth",
                       hs_page_truth_caption(r->truth_cut));
+    if (r->has_reference)
+        hs_eval_page_show(report, study, index, "reference.png", "rendering of the reference",
+                          "Reference: what an expert left of the volume");
     hs_page_row_end(report);
     if (r->doubt[0]) hs_page_text(report, r->doubt);
     if (r->note[0]) hs_page_text(report, r->note);

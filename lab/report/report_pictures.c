@@ -237,13 +237,33 @@ static bool draw_plain(hs_eval_study *study, uint32_t index, hs_eval_case *c, co
     return ok;
 }
 
+/* What an expert left of the volume, drawn as the truth is: "reference.png". It takes the truth's place, so
+ * it comes last. */
+static bool draw_reference(hs_eval_study *study, uint32_t index, hs_eval_case *c, const char *folder,
+                           hs_error *err) {
+    hs_view view;
+    study->result[index].has_reference = c->from.given_reference.voxels != NULL;
+    if (!study->result[index].has_reference) return true;
+    if (!hs_source_set_truth(&c->from.source, &c->from.given_reference, err)) return false;
+    const hs_eval_drawing drawing = drawing_of(study, c, &study->plain.values, HS_EVAL_PICTURE);
+    hs_loop *loop = hs_eval_draw_loop(&drawing, err);
+    bool ok = loop && hs_loop_view(loop, 0, &view, err);
+    if (ok) {
+        ok = hs_eval_save_rgba(view.truth, HS_EVAL_PICTURE, folder, "reference.png", err);
+        hs_view_free(&view);
+    }
+    hs_loop_destroy(loop);
+    return ok;
+}
+
 bool hs_eval_study_pictures(hs_eval_study *study, uint32_t index, hs_error *err) {
     char folder[SYS_PATH];
     hs_eval_case c;
     if (!hs_path_join(study->options->out, study->space[index].name, folder, sizeof folder, err) ||
         !hs_path_make_folder(folder, err) || !hs_eval_study_case(study, index, &c, err))
         return false;
-    const bool ok = draw_common(study, index, &c, folder, err) && draw_plain(study, index, &c, folder, err);
+    const bool ok = draw_common(study, index, &c, folder, err) && draw_plain(study, index, &c, folder, err) &&
+                    draw_reference(study, index, &c, folder, err);
     hs_eval_case_close(&c);
     return ok;
 }

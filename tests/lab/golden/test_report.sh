@@ -124,7 +124,11 @@ label fetus.mha '\2'
 label wrong.mha '\7'
 full=$(find "$work/scene" -name 'D01*_full.mha')
 truth=$(find "$work/scene" -name 'D01*_truth.mha')
-code 0 --quick --out "$work/files" --case "$full,$truth,$work/fetus.mha" --frames 0
+# What an expert left is drawn beside the truth, as the truth is: here it is the truth.
+code 0 --quick --out "$work/files" --case "$full,$truth,$work/fetus.mha,$truth" --frames 0
+holds cmp "$work"/files/*/reference.png "$work"/files/*/truth.png
+holds grep -qF 'Reference: what an expert left of the volume' "$work/files/index.html"
+holds [ "$(grep -cF 'what an expert left' "$page")" = 0 ]
 # Columns 6 and 12: e_abs of all rays and of the fetus' rays are the same.
 holds [ "$(tail -n +2 "$work"/files/space_*.csv | awk -F, '$6 != $12' | wc -l)" -eq 0 ]
 holds [ "$(tail -n +2 "$work"/files/space_*.csv | wc -l)" -eq $((11 * 4 * 7)) ]
@@ -145,7 +149,9 @@ holds [ "$(tail -n +2 "$work"/ranged/space_*.csv | wc -l)" -eq $((11 * 4 * 7)) ]
 holds [ "$(tail -n +2 "$work"/ranged/space_*.csv | cmp -s - <(tail -n +2 "$work"/files/space_*.csv); echo $?)" = 1 ]
 code 3 --quick --out "$work/bad" --case "$full,$truth,$label,$work/to.mha,$work/from.mha"
 holds grep -q 'to.mha: pixel (0, 0) is 48, behind 10 in ' "$work/stderr"
-code 2 --quick --out "$work/bad" --case "$full,$truth,$label,$work/to.mha"
+code 3 --quick --out "$work/bad" --case "$full,$truth,$label,$work/to.mha"
+holds grep -q 'to.mha: 48 x 48 x 1 voxels, the volume has 48 x 48 x 48' "$work/stderr"
+code 2 --quick --out "$work/bad" --case "$full,$truth,$label,$work/from.mha,$work/to.mha,$truth,$truth"
 # Occluders before a given volume, which is its own ground truth.
 code 0 --quick --out "$work/real" --real "$truth" --frames 0
 holds [ -s "$work/real/space_real.csv" ]
