@@ -207,6 +207,19 @@ def _in_four(fields: dict[str, str], numbers: list[str]) -> list[str]:
     return lines
 
 
+def left_over(path: Path, fields: dict[str, str], needed: int) -> int:
+    """Bytes that a file holds behind its voxels, which need so many with a NIfTI's header; 0 where that is not known,
+    as of what is packed."""
+    there = path.stat().st_size
+    if path.name.lower().endswith(".nii"):
+        return max(0, there - needed)
+    if fields.get("encoding") != "raw" or fields.keys() & {"datafile", "byteskip", "lineskip"}:
+        return 0
+    with open(path, "rb") as file:
+        blank = re.search(rb"\n\r?\n", file.read(1 << 16))
+    return max(0, there - blank.end() - needed) if blank else 0
+
+
 def first_bytes(path: Path) -> bytes:
     with open(path, "rb") as file:
         return file.read(512)

@@ -152,6 +152,8 @@ class Reader:
         if reader.HasMetaDataKey("bitpix") and reader.HasMetaDataKey("vox_offset"):
             bits, first = int(reader.GetMetaData("bitpix")), float(reader.GetMetaData("vox_offset"))
         needed = math.prod(size) * bits // 8 + int(first)
+        over = _geometry.left_over(self.path, self._fields, needed)
+        self._told += [f"It holds {over} bytes more than its header says."] if over else []
         if name.endswith(".gz") or "gz" in self._fields.get("encoding", ""):
             there = there * 1032  # the best that deflate can do
         elif not name.endswith((".nii", ".vtk")) or b"ASCII" in _geometry.first_bytes(self.path):

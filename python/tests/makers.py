@@ -53,6 +53,12 @@ def labelled(path: Path, voxels: np.ndarray) -> None:
     path.write_bytes(data)
 
 
+def longer(path: Path, voxels: np.ndarray) -> None:
+    """Two planes more than the header says."""
+    written(voxels, path)
+    path.write_bytes(path.read_bytes() + voxels[:2].tobytes())
+
+
 def block(path: Path, voxels: np.ndarray) -> None:
     """A NRRD whose values are no numbers."""
     nrrd(path, voxels, "block size: 1")

@@ -18,6 +18,7 @@ from makers import (
     in_db,
     in_members,
     labelled,
+    longer,
     meta,
     mirrored,
     named,
@@ -263,6 +264,11 @@ TOLD: dict[str, tuple[Make, str]] = {  # two truths in a file, and which counts;
     "mirrored.nii": (
         mirrored, ("Its qform and its sform disagree, one is the mirror image of the other: the qform counts, as in "
                    "ITK and 3D Slicer; nibabel, and what stands on it, takes the sform.")),
+    "more.nrrd": (
+        lambda path, v: nrrd(path, np.concatenate([v, v]), "spacings: 1.25 1.25 2.5"),
+        "It holds 442368 bytes more than its header says."),
+    "more.nii": (
+        longer, "It holds 18432 bytes more than its header says."),
     "mr.dcm": (lambda path, v: changed(path, v, Modality="MR"), "Its modality is MR: it is no ultrasound."),
 }  # fmt: skip
 FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is said, "": it is clipped as it is
