@@ -126,9 +126,11 @@ def test_dicom_that_is_no_whole_volume_is_refused(tmp_path: Path, image, capsys)
 
 
 def test_files_that_are_no_volumes_are_named(tmp_path: Path, image, capsys) -> None:
+    image.SetSpacing((0.5, 0.6, 1.0))  # of pictures nobody says how far apart they are
+    image.SetOrigin((5.0, -6.0, 0.0))
     sitk.WriteImage(image, str(pictures := tmp_path / "plus.mha"))
     pictures.write_bytes(pictures.read_bytes().replace(b"NDims", b"Kinds = domain domain list\nNDims", 1))
-    said = {"none.nrrd": "no such file", "plus.mha": "pictures over time"}
+    said = {"none.nrrd": "no such file", "plus.mha": "sequence of pictures"}
     assert main(["clip", *(str(tmp_path / name) for name in said), "--out", str(tmp_path / "out")]) == 3
     told = "".join(capsys.readouterr())
     assert all(re.search(f"{name}: .*{words}", told) for name, words in said.items()), told
