@@ -133,7 +133,7 @@ def test_files_that_are_no_volumes_are_named(tmp_path: Path, image, capsys) -> N
     said = {"none.nrrd": "no such file", "plus.mha": "sequence of pictures"}
     assert main(["clip", *(str(tmp_path / name) for name in said), "--out", str(tmp_path / "out")]) == 3
     told = "".join(capsys.readouterr())
-    assert all(re.search(f"{name}: .*{words}", told) for name, words in said.items()), told
+    assert all(re.search(f"{name}:.*{words}", told) for name, words in said.items()), told
 
 
 def test_exit_codes(tmp_path: Path, image, capsys) -> None:
