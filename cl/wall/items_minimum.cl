@@ -10,6 +10,9 @@
 #ifndef SV_WALL_PIXELS_CLH
 #include "wall/wall_pixels.clh"
 #endif
+#ifndef SV_WALL_BETWEEN_CLH
+#include "wall/wall_between.clh"
+#endif
 
 /* One work item per cell: the Gaussian along y. `sums`: 32 bits for each cell. */
 __kernel void wall_items_blur_y(sv_wall_layout l, __global const uint *restrict info,
@@ -33,30 +36,6 @@ __kernel void wall_items_blur_x(sv_wall_layout l, __global const uint *restrict 
     for (int k = 1; k <= (int)l.reach_x; k++)
         sum += l.kernel_x[k] * (line[clamped(x, -k, l.cells[0])] + line[clamped(x, k, l.cells[0])]);
     fine[fine_row(&l, z, row) + x] = (ushort)((sum + FINE / 2) / FINE);
-}
-
-/* Smoothed costs of the four cells around a ray, from the first layer on: its own cell, those next to it
- * along x and along y, and the one next to it along both. */
-typedef struct {
-    __global const ushort *own, *across, *down, *both;
-    size_t pitch;
-    uint layers;
-} costs_t;
-
-static costs_t costs_of(const sv_wall_layout *l, __global const ushort *fine, uint x, uint row) {
-    __global const ushort *line = fine + fine_row(l, 0, row / 2);
-    __global const ushort *other = fine + fine_row(l, 0, cell_beside(row, l->cells[1]));
-    const uint own = x / 2, across = cell_beside(x, l->cells[0]);
-    return (costs_t){
-        line + own, line + across, other + own, other + across, fine_row(l, 1, 0) - fine_row(l, 0, 0),
-        l->layers};
-}
-
-/* Interpolates between the cells, linear and rounded half up. A ray lies a quarter of a cell from the middle
- * of its own cell. */
-static uint cost_at(const costs_t *c, uint z) {
-    const size_t at = z * c->pitch;
-    return (9u * c->own[at] + 3u * ((uint)c->across[at] + c->down[at]) + c->both[at] + 8u) / 16u;
 }
 
 /* Finds the cheapest layer; of several equal ones the nearest to the viewer. */

@@ -13,6 +13,9 @@
 #ifndef SV_WALL_PIXELS_CLH
 #include "wall/wall_pixels.clh"
 #endif
+#ifndef SV_WALL_RIM_CLH
+#include "wall/wall_rim.clh"
+#endif
 
 /* Loads a ray and its eight neighbours. */
 static void neighbours(const sv_wall_layout *l, __global const float *plane, uint x, uint y, float *out) {
@@ -85,27 +88,58 @@ __kernel void wall_items_gaps(sv_wall_layout l, __global const uint *restrict in
     if (item < 3) gaps[3 * row + item] = sums[item];
 }
 
-/* One work item per ray: the confidence. */
+/* True if two blocks near a surface in layer `at` are dark. `levels`: relative ones, of the ray's first
+ * layer on. */
+static bool is_near_fluid(const sv_wall_layout *l, __global const uchar *levels, uint first, uint end,
+                          uint at) {
+    const size_t pitch = level_pitch_of(l);
+    uint dark = 0;
+    for (uint z = max(first, at - min(at, l->full_distance)); z < min(end, at + l->full_distance + 1); z++)
+        dark += levels[z * pitch] <= l->dim;
+    return dark >= SV_WALL_OWN_FLUID;
+}
+
+/* One work item per ray: the confidence, and whether the ray has fluid of its own. */
 __kernel void wall_items_confidence(sv_wall_layout l, __global const uint *restrict info,
-                                    __global const uchar *restrict levels, __global float *restrict planes) {
+                                    __global const uchar *restrict levels, __global ushort *restrict rays,
+                                    __global float *restrict planes) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const uint at = (uint)planes[plane_row(&l, PLANE_MEDIAN, y) + x];
     const float level = (float)levels[level_row(&l, at, y) + x] / SV_WALL_TISSUE;
     planes[plane_row(&l, PLANE_LAYER, y) + x] =
         confidence_of(&l, planes[plane_row(&l, PLANE_COST, y) + x], level);
+    const size_t plane = block_row(&l, 1, 0);
+    rays += block_row(&l, 0, y) + x;
+    const bool own = rays[RAY_FRONT * plane] < l.layers ||
+                     rays[RAY_RUN * plane] == rays[RAY_RUN_END * plane] ||
+                     is_near_fluid(&l, levels + level_row(&l, 0, y) + x, rays[0], rays[RAY_END * plane], at);
+    if (!own) rays[RAY_FRONT * plane] = SV_WALL_NO_OWN_FLUID;
+}
+
+/* One work group per row of cells: what its rays know of the surface. */
+__kernel void wall_items_known(sv_wall_layout l, __global const uint *restrict info,
+                               __global const ushort *restrict rays, __global const float *restrict planes,
+                               __global uint4 *restrict rim) {
+    const uint row = (uint)get_group_id(0);
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    for (uint x = (uint)get_local_id(0); x < l.cells[0]; x += (uint)get_local_size(0))
+        rim[(size_t)row * l.cells[0] + x] = mean_of_rays(&l, rays, planes, x, row);
 }
 
 /* One work item per ray: moves the surface in its range, to the far end at q = 0, to the near end at q = 1,
  * linear to either side of 0.5. From there it may go back. */
 __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict info,
                               __global const uchar *restrict levels, __global const ushort *restrict rays,
+                              __global const ushort *restrict fine, __global const uint4 *restrict rim,
                               __global float *restrict planes) {
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     const float part = fabs(2.0f * l.q - 1.0f), place = planes[plane_row(&l, PLANE_MEDIAN, y) + x];
     const float end = planes[plane_row(&l, l.q < 0.5f ? PLANE_MEDIAN_FAR : PLANE_MEDIAN_NEAR, y) + x];
-    const float at = fmax(place + part * (end - place), 0.0f);
+    float at = fmax(place + part * (end - place), 0.0f);
+    if (rays[block_row(&l, RAY_FRONT, y) + x] == SV_WALL_NO_OWN_FLUID)
+        at = go_on(&l, fine, rim, planes, x, y, part);
     planes[plane_row(&l, PLANE_SURFACE, y) + x] = move_back(&l, levels, rays, x, y, at);
 }
 

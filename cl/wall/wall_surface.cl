@@ -12,6 +12,9 @@
 #ifndef SV_WALL_PIXELS_CLH
 #include "wall/wall_pixels.clh"
 #endif
+#ifndef SV_WALL_RIM_CLH
+#include "wall/wall_rim.clh"
+#endif
 
 /* Loads 16 rays of a row from x + step on. */
 static float16 load_places(__global const float *row, uint x, int step, uint columns) {
@@ -109,9 +112,48 @@ __kernel void wall_gaps(sv_wall_layout l, __global const uint *restrict info,
     for (uint k = 0; k < 3; k++) gaps[3 * row + k] = sums[k];
 }
 
-/* One work item per row of rays: the confidence. */
+/* Where two blocks near the surfaces of LANES rays, in layers `at`, are dark. */
+static i16l are_near_fluid(const sv_wall_layout *l, __global const uchar *levels, i16l first, i16l end,
+                           i16l at) {
+    const u8l dim = (u8l)((uchar)l->dim);
+    const i16l reach = (i16l)((short)l->full_distance);
+    const size_t pitch = level_pitch_of(l);
+    const short *lanes = (const short *)&at;
+    short from = lanes[0], to = lanes[0];
+    for (uint i = 1; i < LANES; i++) {
+        from = min(from, lanes[i]);
+        to = max(to, lanes[i]);
+    }
+    i16l dark = (i16l)(0); /* counted downwards: a mask is -1 */
+    for (uint z = (uint)from - min((uint)from, l->full_distance);
+         z < min((uint)to + l->full_distance + 1, l->layers); z++) {
+        const i16l here = (i16l)((short)z);
+        const i16l near = (first <= here) & (end > here) & (here - at <= reach) & (at - here <= reach);
+        dark += words_of(AS_U8(((__global const u8l_unaligned *)(levels + z * pitch))->v <= dim)) & near;
+    }
+    return dark <= (i16l)((short)-SV_WALL_OWN_FLUID);
+}
+
+/* Stores which of LANES rays have no fluid of their own. `levels`: relative ones, of the rays' first layer
+ * on. `places`: of their surfaces, `count` of them. */
+static void find_own_fluid(const sv_wall_layout *l, __global const uchar *levels, __global ushort *rays,
+                           __global const float *places, uint x, uint y, uint count) {
+    __global u16l *front = ray_row(rays, l, RAY_FRONT, y) + x;
+    const i16l first = AS_I16(ray_row(rays, l, RAY_FIRST, y)[x]);
+    const i16l end = AS_I16(ray_row(rays, l, RAY_END, y)[x]);
+    const i16l tissue = AS_I16(ray_row(rays, l, RAY_RUN, y)[x] != ray_row(rays, l, RAY_RUN_END, y)[x]);
+    i16l at = (i16l)((short)places[0]); /* behind the last column nothing is defined */
+    ROLLED_LOADS
+    for (uint i = 1; i < count; i++) ((short *)&at)[i] = (short)places[i];
+    const i16l none =
+        tissue & AS_I16(*front >= (u16l)((ushort)l->layers)) & ~are_near_fluid(l, levels, first, end, at);
+    *front |= AS_U16(none); /* SV_WALL_NO_OWN_FLUID */
+}
+
+/* One work item per row of rays: the confidence, and whether the rays have fluid of their own. */
 __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict info,
-                              __global const uchar *restrict levels, __global float *restrict planes) {
+                              __global const uchar *restrict levels, __global ushort *restrict rays,
+                              __global float *restrict planes) {
     const uint y = (uint)get_global_id(0);
     const size_t pitch = level_pitch_of(&l);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
@@ -125,12 +167,25 @@ __kernel void wall_confidence(sv_wall_layout l, __global const uint *restrict in
     for (uint x = 0; x < l.columns; x += SV_LANES)
         *(__global float16 *)(confidence + x) = confidence_of(&l, *(__global const float16 *)(costs + x),
                                                               *(__global const float16 *)(confidence + x));
+    for (uint x = 0; x < l.columns; x += LANES)
+        find_own_fluid(&l, levels + x, rays, filtered + x, x / LANES, y, min((uint)LANES, l.columns - x));
+}
+
+/* One work item per row of cells: what its rays know of the surface. */
+__kernel void wall_known(sv_wall_layout l, __global const uint *restrict info,
+                         __global const ushort *restrict rays, __global const float *restrict planes,
+                         __global uint4 *restrict rim) {
+    const uint row = (uint)get_global_id(0);
+    if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    for (uint x = 0; x < l.cells[0]; x++)
+        rim[(size_t)row * l.cells[0] + x] = mean_of_rays(&l, rays, planes, x, row);
 }
 
 /* One work item per row of rays: moves the surface in its range, to the far end at q = 0, to the near end at
  * q = 1, linear to either side of 0.5. From there it may go back. */
 __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
                         __global const uchar *restrict levels, __global const ushort *restrict rays,
+                        __global const ushort *restrict fine, __global const uint4 *restrict rim,
                         __global float *restrict planes) {
     const uint y = (uint)get_global_id(0);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
@@ -144,7 +199,11 @@ __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
         *(__global float16 *)(surface + x) = fmax(at, 0.0f);
     }
     ROLLED_LOADS
-    for (uint x = 0; x < l.columns; x++) surface[x] = move_back(&l, levels, rays, x, y, surface[x]);
+    for (uint x = 0; x < l.columns; x++) {
+        const bool own = rays[block_row(&l, RAY_FRONT, y) + x] != SV_WALL_NO_OWN_FLUID;
+        const float place = own ? surface[x] : go_on(&l, fine, rim, planes, x, y, part);
+        surface[x] = move_back(&l, levels, rays, x, y, place);
+    }
 }
 
 /* Steps to the next pixel. There are at most twice as many rays as pixels. */

@@ -43,6 +43,7 @@ enum {
 _Static_assert(SV_WALL_ALL_BUFFERS <= SV_MAX_METHOD_BUFFERS, "every buffer has a place");
 enum { SV_WALL_FETUS = SV_WALL_HISTOGRAMS, SV_WALL_GAPS = SV_WALL_HISTOGRAMS };
 enum { SV_WALL_WINDOW_SUMS = SV_WALL_SCRATCH };
+enum { SV_WALL_RIM = SV_WALL_COSTS }; /* once the costs are smoothed: where the surface goes on to */
 
 /* What a kernel is launched over. */
 typedef enum {

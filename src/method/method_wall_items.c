@@ -37,6 +37,8 @@
     KERNEL(CONFIDENCE, "wall_items_confidence") \
     KERNEL(ERODE, "wall_items_erode") \
     KERNEL(OPEN, "wall_items_open") \
+    KERNEL(KNOWN, "wall_items_known") \
+    KERNEL(RIM, "wall_rim") \
     KERNEL(KNOB, "wall_items_knob") \
     KERNEL(UPSAMPLE, "wall_items_upsample")
 /* clang-format on */
@@ -138,10 +140,15 @@ static const sv_wall_launch launches[] = {
      .when = SV_WALL_UNLESS_TOLD},
     {K_VERDICT, SV_WALL_ONCE, .buffers = {SV_WALL_GAPS, SV_WALL_TOLD, SV_WALL_INFO, -1},
      .takes = SV_WALL_RECORD},
-    {K_CONFIDENCE, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_PLANES, -1}},
+    {K_CONFIDENCE, SV_WALL_EACH_RAY,
+     .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLANES, -1}},
     {K_ERODE, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_RAYS, SV_WALL_PLANES, -1}},
     {K_OPEN, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_PLANES, -1}},
-    {K_KNOB, SV_WALL_EACH_RAY, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_PLANES, -1}},
+    {K_KNOWN, SV_WALL_GROUPS, .buffers = {SV_WALL_INFO, SV_WALL_RAYS, SV_WALL_PLANES, SV_WALL_RIM, -1}},
+    {K_RIM, SV_WALL_ONE_GROUP, .buffers = {SV_WALL_INFO, SV_WALL_RIM, -1}},
+    {K_KNOB, SV_WALL_EACH_RAY,
+     .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_FINE, SV_WALL_RIM, SV_WALL_PLANES,
+                 -1}},
     {K_UPSAMPLE, SV_WALL_EACH_PIXEL, .buffers = {SV_WALL_INFO, SV_WALL_PLANES, SV_WALL_CONFIDENCE, -1},
      .takes = SV_WALL_DEPTH},
 };

@@ -190,6 +190,28 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
                             const sv_wall_costs *costs, const sv_wall_outcome *told, float *depth,
                             float *confidence, sv_wall_gaps *gaps, sv_wall_outcome *outcome);
 
+/* ---- where the surface goes on from the rim of the sac (ref_wall_rim.c) */
+
+enum { SV_WALL_PLACES = 3 }; /* of a ray: its surface, and the ends of the range that the knob moves it in */
+
+/* True if a ray has fluid of its own at `place`: two blocks within layout->full_distance of it are dark, or
+ * the fetus is seen behind fluid, at `front`. What was not scanned, or meets no tissue, is left alone, too.
+ */
+bool sv_wall_has_fluid(const sv_wall_scan *scan, size_t ray, float place, uint16_t front);
+
+/* Moves the surface of the other rays, and the ends of its range, to where those of the rays beside them lie,
+ * but not deeper than what costs 1 more than `least`, the ray's minimum in the smoothed `costs`. Lowers their
+ * confidence. If no ray has fluid of its own, nothing is moved. False: no memory. */
+bool sv_wall_go_on(const sv_wall_scan *scan, const uint32_t *costs, const float *least, const bool *own,
+                   float *places, float *confidence);
+
+/* ---- the surface itself, and the verdict (ref_wall_surface.c) */
+
+/* What a ray pays at a layer, in units of 1 / SV_WALL_FINE_COST_ONE: linear between the smoothed costs of the
+ * four cells around it, rounded half up. A ray lies a quarter of a cell from the middle of its own cell. */
+uint32_t sv_wall_cost_at(const sv_wall_layout *layout, const uint32_t *costs, uint32_t x, uint32_t y,
+                         uint32_t z);
+
 /* From this mean probability on a fetus is seen; from this share of dark blocks in gaps on there is a
  * surface. Per mille, after layout->last. */
 uint32_t sv_wall_fetus_limit(const sv_wall_layout *layout);

@@ -38,23 +38,18 @@ static size_t cell_beside(uint32_t ray, uint32_t cells) {
     return inside((int64_t)(ray / 2) + (ray % 2 ? 1 : -1), cells);
 }
 
-/* Interpolates the costs of a ray between the four cells around it, linear and rounded half up. A ray lies a
- * quarter of a cell from the middle of its own cell. */
-static void costs_of_ray(const sv_wall_layout *l, const uint32_t *costs, uint32_t x, uint32_t y,
-                         uint32_t *ray) {
+uint32_t sv_wall_cost_at(const sv_wall_layout *l, const uint32_t *costs, uint32_t x, uint32_t y, uint32_t z) {
     const size_t row = (size_t)l->cells[0] * l->layers, column = l->layers;
     const size_t own_x = x / 2 * column, beside_x = cell_beside(x, l->cells[0]) * column;
     const size_t own_y = y / 2 * row, beside_y = cell_beside(y, l->cells[1]) * row;
-    for (uint32_t z = 0; z < l->layers; z++) {
-        const uint32_t own = costs[own_y + own_x + z], across = costs[own_y + beside_x + z];
-        const uint32_t down = costs[beside_y + own_x + z], both = costs[beside_y + beside_x + z];
-        ray[z] = (9 * own + 3 * (across + down) + both + 8) / 16;
-    }
+    const uint32_t own = costs[own_y + own_x + z], across = costs[own_y + beside_x + z];
+    const uint32_t down = costs[beside_y + own_x + z], both = costs[beside_y + beside_x + z];
+    return (9 * own + 3 * (across + down) + both + 8) / 16;
 }
 
 /* Planes of rays: the surface and the ends of the range that the knob moves it in, which are filtered, and
  * what the surface costs. */
-enum { NEAR, LAYER, FAR, FILTERED, COST = FILTERED, PLANES };
+enum { NEAR, LAYER, FAR, FILTERED = SV_WALL_PLACES, COST = FILTERED, PLANES };
 
 /* Returns how far behind `inside`, whose cost is below the limit, the cost crosses the limit, in layers. */
 static float crossing(uint32_t inside, uint32_t outside, uint32_t limit) {
@@ -156,18 +151,25 @@ float sv_wall_confidence(const sv_wall_layout *l, float cost, float level) {
     return 1.0f / (1.0f + ratio * ratio);
 }
 
-/* Computes the confidence of the surface at `places`, which costs `costs`. `of_rays` has room for a number a
- * ray. */
-static void find_confidence(const sv_wall_scan *s, const float *costs, const float *places, float *of_rays,
-                            float *confidence) {
+/* Computes the confidence of every ray's surface at `places`, which costs `costs`. */
+static void find_confidence(const sv_wall_scan *s, const float *costs, const float *places, float *of_rays) {
     const sv_wall_layout *l = s->layout;
     const size_t count = (size_t)l->columns * l->rows;
     for (size_t ray = 0; ray < count; ray++) {
         const uint8_t level = s->blocks->relative[(size_t)places[ray] * count + ray];
         of_rays[ray] = sv_wall_confidence(l, costs[ray], (float)level / SV_WALL_TISSUE);
     }
+}
+
+static void find_own_fluid(const sv_wall_scan *s, const uint16_t *fronts, const float *places, bool *own) {
+    const size_t count = (size_t)s->layout->columns * s->layout->rows;
+    for (size_t ray = 0; ray < count; ray++) own[ray] = sv_wall_has_fluid(s, ray, places[ray], fronts[ray]);
+}
+
+/* Interpolates the confidence of rays to pixels. The four rounded weights of a pixel may add up to a little
+ * more than 1. */
+static void interpolate_confidence(const sv_wall_layout *l, const float *of_rays, float *confidence) {
     interpolate(l, of_rays, 1.0f, confidence);
-    /* The four rounded weights of a pixel may add up to a little more than 1. */
     for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] = fminf(confidence[i], 1.0f);
 }
 
@@ -210,7 +212,7 @@ static bool find_minima(const sv_wall_layout *l, const uint32_t *costs, float *l
     for (uint32_t y = 0; y < l->rows; y++)
         for (uint32_t x = 0; x < l->columns; x++) {
             float of_ray[PLANES];
-            costs_of_ray(l, costs, x, y, ray);
+            for (uint32_t z = 0; z < l->layers; z++) ray[z] = sv_wall_cost_at(l, costs, x, y, z);
             find_minimum(l, ray, of_ray);
             for (size_t plane = 0; plane < PLANES; plane++)
                 layers[plane * count + (size_t)y * l->columns + x] = of_ray[plane];
@@ -322,6 +324,28 @@ sv_wall_outcome sv_wall_verdict(const sv_wall_layout *l, const sv_wall_gaps *gap
     return share < gaps->dark * sv_wall_gap_limit(l) ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 
+/* The maps of a surface. `filtered` and `layers` are the planes of rays; `sure` has room for a number a ray.
+ * False: no memory. */
+static bool finish(const sv_wall_scan *scan, const uint32_t *costs, const uint16_t *fronts, bool doubtful,
+                   float *filtered, float *layers, float *sure, float *depth, float *confidence) {
+    const sv_wall_layout *l = scan->layout;
+    const size_t count = (size_t)l->columns * l->rows;
+    bool *const own = malloc(count * sizeof *own);
+    if (!own) return false;
+    find_confidence(scan, layers + COST * count, filtered + LAYER * count, sure);
+    find_own_fluid(scan, fronts, filtered + LAYER * count, own);
+    /* of `layers`, only what the surface costs is still needed */
+    fill_pits(scan, doubtful, filtered, layers);
+    const bool done = sv_wall_go_on(scan, costs, layers + COST * count, own, filtered, sure);
+    if (done) {
+        apply_knob(scan, fronts, filtered);
+        interpolate_confidence(l, sure, confidence);
+        interpolate(l, filtered + LAYER * count, (float)l->depth, depth);
+    }
+    free(own);
+    return done;
+}
+
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,
                             const sv_wall_costs *given, const sv_wall_outcome *told, float *depth,
                             float *confidence, sv_wall_gaps *gaps, sv_wall_outcome *outcome) {
@@ -329,7 +353,7 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
     const size_t count = (size_t)l->columns * l->rows, all = (size_t)l->cells[0] * l->cells[1] * l->layers;
     uint32_t *costs = calloc(all, sizeof *costs), *rows = calloc(all, sizeof *rows);
     float *layers = calloc(PLANES * count, sizeof *layers),
-          *filtered = calloc(FILTERED * count, sizeof *filtered);
+          *filtered = calloc((FILTERED + 1) * count, sizeof *filtered);
     bool done = costs && rows && layers && filtered;
     if (done) {
         memcpy(costs, given->all, all * sizeof *costs);
@@ -338,14 +362,12 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
     }
     if (done) {
         median_filter(l, layers, filtered);
-        find_confidence(scan, layers + COST * count, filtered + LAYER * count, layers, confidence);
         count_gaps(scan, levels->fluid, filtered + LAYER * count, gaps);
         *outcome = told ? *told : sv_wall_verdict(l, gaps, is_seen(scan, given));
         /* a person who asks for it gets a surface all the same */
         if (*outcome == SV_WALL_NO_FLUID && l->clip_doubtful) *outcome = SV_WALL_DOUBTFUL;
-        fill_pits(scan, *outcome == SV_WALL_DOUBTFUL, filtered, layers);
-        apply_knob(scan, given->fronts, filtered);
-        interpolate(l, filtered + LAYER * count, (float)l->depth, depth);
+        done = finish(scan, costs, given->fronts, *outcome == SV_WALL_DOUBTFUL, filtered, layers,
+                      filtered + FILTERED * count, depth, confidence);
     }
     free(costs);
     free(rows);
