@@ -199,7 +199,7 @@ format: # apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@mkdir -p build-clang && scripts/python_env.sh build-clang/lint python/requirements-lint.txt
 	@cd python && ../build-clang/lint/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
 
-bench: setup # times as ratios to plain C; speed against error of every method, to out/bench (some ten minutes)
+bench: setup # times as ratios to plain C; speed against error of every method; growth with the volume: out/bench (some twelve minutes)
 	@$(call build,build,,sv_bench test_lit_shapes smartvis host_sim sv_definitions)
 	build/sv_bench
 	build/tests/test_lit_shapes 512
@@ -207,6 +207,8 @@ bench: setup # times as ratios to plain C; speed against error of every method, 
 	@scripts/python_env.sh build/python/bench python/requirements-test.txt
 	PYTHONPATH=python SMARTVIS_PLUGIN=build/smartvis.so SMARTVIS_HOST_SIM=build/host_sim \
 	  build/python/bench/bin/python python/bench/surfaces.py --csv $(OUT)/bench/surfaces.csv --svg $(OUT)/bench/surfaces.svg
+	PYTHONPATH=python SMARTVIS_PLUGIN=build/smartvis.so SMARTVIS_HOST_SIM=build/host_sim \
+	  build/python/bench/bin/python python/bench/growth.py --csv $(OUT)/bench/growth.csv --svg $(OUT)/bench/growth.svg
 
 bench-against: # this checkout beside COMMIT=..., both built in out/bench_against and run in turn: a table with ratios and goals; QUICK=1: a short one
 	@$(SETUP) $(PACKAGES)

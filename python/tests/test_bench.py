@@ -10,6 +10,7 @@ from conftest import LONG, SOURCE
 
 BENCH = SOURCE / "python" / "bench"
 PRINTED = {
+    ("growth.py", "--size", "64", "--frames", "2"): r"64 x 64 x 64 \|( +[\d.]+){5} \|( +-?[\d.]+){3}",
     ("serve.py", "32", "3"): r"[\d.]+ volumes of 32\^3 a second, there and back",
     (
         "surfaces.py",
