@@ -38,6 +38,7 @@ class Frame:
     own: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None  #: both in the volume's own frame of reference
     pixel: tuple[float, float] | None = None  #: mm along a row, down a column
     in_region: tuple[float, float] | None = None  #: the same by the ultrasound region, if there is one
+    aspect: float | None = None  #: how much longer a pixel is down a column than along a row, as the file says it
     modality: str = ""
     apart: float | None = None  #: mm between slices, as the file says it
     said: _transducer.Said | None = None  #: of the probe
@@ -102,8 +103,9 @@ def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame
         return []  # beside the scan, in the folder of a study
     if whole_file and count == 1:
         raise FileError(f"{path}: it is one picture of a DICOM series; name the folder that holds them all")
-    if data.get("PhotometricInterpretation") == "MONOCHROME1":  # which nobody below turns round
-        raise FileError(f"{path}: its grey is inverted (MONOCHROME1): convert it to MONOCHROME2")
+    for name, inverted in (("PhotometricInterpretation", "MONOCHROME1"), ("PresentationLUTShape", "INVERSE")):
+        if data.get(name) == inverted:  # which nobody below turns round
+            raise FileError(f"{path}: its grey is inverted ({inverted}): convert it to MONOCHROME2")
     if groups and len(groups) != count:
         raise FileError(f"{path}: it has {count} pictures and says where {len(groups)} of them lie")
     said, table = _transducer.Said.of(data), _pixels.table_of(data, path)
@@ -167,6 +169,9 @@ def _how_large(frame: Frame, layers: Sequence[Any]) -> None:
         pixel = np.array(frame.in_region[::-1])
     if pixel is not None and (pixel > 0).all():
         frame.pixel = (float(pixel[1]), float(pixel[0]))
+    aspect = _numbers(layers[-1].get("PixelAspectRatio"), 2)
+    if aspect is not None and (aspect > 0).all():
+        frame.aspect = float(aspect[0] / aspect[1])
     apart = _first(layers, "PixelMeasuresSequence", "SpacingBetweenSlices")  # how thick they are says nothing of it
     if apart is not None and float(apart) > 0:
         frame.apart = float(apart)
@@ -275,6 +280,12 @@ def _said_twice(frame: Frame, apart: float | None) -> str:
         told.append(
             f"Its pixels are {x:.4g} x {y:.4g} mm large, by its ultrasound region {region_x:.4g} x {region_y:.4g}: the "
             "first counts."
+        )
+    if frame.pixel and frame.aspect and differ([frame.pixel[1]], [frame.pixel[0] * frame.aspect]):
+        x, y = frame.pixel
+        told.append(
+            f"Its pixels are {x:.4g} x {y:.4g} mm large, by PixelAspectRatio {frame.aspect:.4g} times as long as wide: "
+            "the first counts."
         )
     if frame.apart and apart and differ([frame.apart], [apart]):
         told.append(

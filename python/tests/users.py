@@ -207,6 +207,7 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "beside.dcm": (lambda path, v: enhanced(path, v, step=(0.5, 0, 2.5)), 3, "lie 0.5 mm beside the one before"),
     "place.dcm": (lambda path, v: enhanced(path, v, step=(0, 0, 0)), 3, "48 pictures, lie at one place"),
     "white.dcm": (lambda path, v: enhanced(path, v, grey="MONOCHROME1"), 3, "its grey is inverted"),
+    "inverse.dcm": (lambda path, v: changed(path, v, PresentationLUTShape="INVERSE"), 3, "grey is inverted (INV"),
     "seg.dcm": (lambda path, v: enhanced(path, v, of_class="66.4"), 3, "but made of one (Segmentation Storage)"),
     "map.dcm": (lambda path, v: enhanced(path, v, of_class="30"), 3, "but made of one (Parametric Map Storage)"),
     "table.dcm": (lambda path, v: by_table(path, v, 200), 3, "its modality look-up table is damaged"),
@@ -269,6 +270,9 @@ TOLD: dict[str, tuple[Make, str]] = {  # two truths in a file, and which counts;
         "It holds 442368 bytes more than its header says."),
     "more.nii": (
         longer, "It holds 18432 bytes more than its header says."),
+    "aspect.dcm": (
+        lambda path, v: changed(path, v, PixelAspectRatio=["2", "1"]),
+        "Its pixels are 1.25 x 1.25 mm large, by PixelAspectRatio 2 times as long as wide: the first counts."),
     "mr.dcm": (lambda path, v: changed(path, v, Modality="MR"), "Its modality is MR: it is no ultrasound."),
 }  # fmt: skip
 FURTHER: dict[str, tuple[Make, str]] = {  # what the machine reads, too; what is said, "": it is clipped as it is
