@@ -45,8 +45,8 @@ def check_marks(path: Path, fields: dict[str, str]) -> None:
     a space with time."""
     apart, vectors = fields.get("spacings", ""), fields.get("spacedirections", "")
     space = fields.get("space", "")
-    if re.search(r"time$|^[lr][ap]st$", space.lower()) or fields.get("spacedimension") == "4":
-        raise FileError(f"{path}: its space is '{space or 4}', expected one of three dimensions, without time")
+    if re.search(r"time$|^[lr][ap]st$", space.lower()):
+        raise FileError(f"{path}: its space is '{space}', expected one of three dimensions, without time")
     parts = re.findall(r"\(([^)]*)\)", vectors)  # as many numbers as there are of them, at most
     if "," in apart or any(part.count(",") >= max(3, len(parts)) for part in parts):
         raise FileError(f"{path}: its spacing is '{apart or vectors}', expected a point as decimal mark")

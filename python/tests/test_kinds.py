@@ -134,7 +134,7 @@ def test_what_is_written_says_no_spacing_that_nobody_knows(tmp_path: Path, scan:
             assert _images.says_spacing(image) == told
             assert np.allclose(image.GetSpacing()[:2], SPACING[:2] if told else (1, 1))
             voxels = sitk.GetArrayFromImage(image)
-            assert voxels.shape[1:] == (96, 96) and voxels.max() > 30
+            assert voxels.shape[1:] == (96, 96) and voxels.max() > 20
 
 
 def test_a_table_of_values_counts(tmp_path: Path, scan: np.ndarray) -> None:

@@ -190,6 +190,13 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
                             const sv_wall_costs *costs, const sv_wall_outcome *told, float *depth,
                             float *confidence, sv_wall_gaps *gaps, sv_wall_outcome *outcome);
 
+/* ---- between the cells (ref_wall_between.c) */
+
+/* What a ray pays at a layer, in units of 1 / SV_WALL_FINE_COST_ONE: linear between the smoothed costs of the
+ * four cells around it, rounded half up. A ray lies a quarter of a cell from the middle of its own cell. */
+uint32_t sv_wall_cost_at(const sv_wall_layout *layout, const uint32_t *costs, uint32_t x, uint32_t y,
+                         uint32_t z);
+
 /* ---- where the surface goes on from the rim of the sac (ref_wall_rim.c) */
 
 enum { SV_WALL_PLACES = 3 }; /* of a ray: its surface, and the ends of the range that the knob moves it in */
@@ -206,11 +213,6 @@ bool sv_wall_go_on(const sv_wall_scan *scan, const uint32_t *costs, const float 
                    float *places, float *confidence);
 
 /* ---- the surface itself, and the verdict (ref_wall_surface.c) */
-
-/* What a ray pays at a layer, in units of 1 / SV_WALL_FINE_COST_ONE: linear between the smoothed costs of the
- * four cells around it, rounded half up. A ray lies a quarter of a cell from the middle of its own cell. */
-uint32_t sv_wall_cost_at(const sv_wall_layout *layout, const uint32_t *costs, uint32_t x, uint32_t y,
-                         uint32_t z);
 
 /* From this mean probability on a fetus is seen; from this share of dark blocks in gaps on there is a
  * surface. Per mille, after layout->last. */

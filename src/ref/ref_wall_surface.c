@@ -33,20 +33,6 @@ static void blur(const sv_wall_layout *l, uint32_t *costs, uint32_t *rows) {
     for (size_t i = 0; i < all; i++) costs[i] = (costs[i] + one / 2) / one;
 }
 
-/* The cell beside that of a ray, on the side where the ray lies; at the border the cell itself. */
-static size_t cell_beside(uint32_t ray, uint32_t cells) {
-    return inside((int64_t)(ray / 2) + (ray % 2 ? 1 : -1), cells);
-}
-
-uint32_t sv_wall_cost_at(const sv_wall_layout *l, const uint32_t *costs, uint32_t x, uint32_t y, uint32_t z) {
-    const size_t row = (size_t)l->cells[0] * l->layers, column = l->layers;
-    const size_t own_x = x / 2 * column, beside_x = cell_beside(x, l->cells[0]) * column;
-    const size_t own_y = y / 2 * row, beside_y = cell_beside(y, l->cells[1]) * row;
-    const uint32_t own = costs[own_y + own_x + z], across = costs[own_y + beside_x + z];
-    const uint32_t down = costs[beside_y + own_x + z], both = costs[beside_y + beside_x + z];
-    return (9 * own + 3 * (across + down) + both + 8) / 16;
-}
-
 /* Planes of rays: the surface and the ends of the range that the knob moves it in, which are filtered, and
  * what the surface costs. */
 enum { NEAR, LAYER, FAR, FILTERED = SV_WALL_PLACES, COST = FILTERED, PLANES };

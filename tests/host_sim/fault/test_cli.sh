@@ -180,8 +180,9 @@ holds grep -q -- "--version" stdout
 expect 0 "" --version
 version=$(sed -n 's/^project(smartvis VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")
 abi() { sed -n "s/^#define SV_ABI_$1 *\([0-9]*\)u.*/\1/p" "$source/include/smartvis_plugin.h"; }
+commit=$(cat "$build/commit.txt")
 holds [ -n "$version" ]
-holds [ "$(cat stdout)" = "host_sim $version, SmartVis plugin ABI $(abi MAJOR).$(abi MINOR)" ]
+holds [ "$(cat stdout)" = "host_sim $version${commit:++$commit}, SmartVis plugin ABI $(abi MAJOR).$(abi MINOR)" ]
 expect 0 "" info good.mha "$work/other_size.mha"
 holds grep -q "16 x 16 x 8 voxels" stdout
 # A Kretz file: the mirror is told by the summary and the file of results, and what is for MetaImage is refused.

@@ -15,7 +15,7 @@ expect() {
 }
 
 expect 0 '^Usage: sv_validate' --help
-expect 0 '^sv_validate [0-9.]+, plugin ABI 1\.1' --version
+expect 0 '^sv_validate [0-9.]+[+0-9a-f]*(.changed)?, plugin ABI 1\.1' --version
 expect 0 '^state-walk +[A-Z]' --list
 expect 2 'no library given'
 expect 2 'more than one library' "$right" "$right"
