@@ -130,9 +130,9 @@ static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_err
     const bool ranged = parts > END, compared = parts == FIRST + 1 || parts == REFERENCE + 1;
     if (!open_full(s, part, ranged, &request->read, err)) return false;
     const hs_volume *volume = hs_source_volume(&s->source, 0);
-    hs_volume *const reference = compared ? &s->given_reference : NULL;
     if (!read_beside(&s->given_truth, volume, part[TRUTH], ranged, &request->read, err) ||
-        (reference && !read_beside(reference, volume, part[REFERENCE], ranged, &request->read, err)) ||
+        (compared &&
+         !read_beside(&s->given_reference, volume, part[REFERENCE], ranged, &request->read, err)) ||
         !hs_metaimage_read(part[LABEL], &as_it_is, &s->given_label, err) ||
         !check_label(volume, &s->given_label, part[LABEL], err))
         return false;
@@ -142,7 +142,7 @@ static bool open_files(hs_eval_source *s, const hs_eval_request *request, hs_err
                            : NULL;
         if (!maps) return false;
         hs_scanned_maps_mark(&s->given_truth, maps);
-        if (reference) hs_scanned_maps_mark(reference, maps);
+        if (compared) hs_scanned_maps_mark(&s->given_reference, maps);
         free(maps);
     }
     s->label = s->given_label.voxels;
