@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import struct
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -209,15 +210,39 @@ def _in_four(fields: dict[str, str], numbers: list[str]) -> list[str]:
 
 def left_over(path: Path, fields: dict[str, str], needed: int) -> int:
     """Bytes that a file holds behind its voxels, which need so many with a NIfTI's header; 0 where that is not known,
-    as of what is packed."""
-    there = path.stat().st_size
-    if path.name.lower().endswith(".nii"):
-        return max(0, there - needed)
-    if fields.get("encoding") != "raw" or fields.keys() & {"datafile", "byteskip", "lineskip"}:
+    as of a data file."""
+    name, there = path.name.lower(), path.stat().st_size
+    if fields.keys() & {"datafile", "byteskip", "lineskip"}:
         return 0
+    if name.endswith(".nii.gz") or fields.get("encoding") in ("gzip", "gz"):
+        there = _said_by_gzip(path)
+    elif name.endswith(".vtk"):
+        there -= _end_of_head(path, rb"\nBINARY\r?\n.*?\nLOOKUP_TABLE[^\n]*\n", there)
+        with open(path, "rb") as file:
+            file.seek(-max(0, there - needed), os.SEEK_END)
+            behind = file.read(64).strip()
+        if not behind or behind.startswith(b"METADATA"):  # as VTK's own writer puts it there
+            return 0
+    elif fields.get("encoding") == "raw":
+        there -= _end_of_head(path, rb"\n\r?\n", there)
+    elif not name.endswith(".nii"):
+        return 0
+    return max(0, there - needed)
+
+
+def _end_of_head(path: Path, end: bytes, otherwise: int) -> int:
+    """Where a header ends that ends so."""
     with open(path, "rb") as file:
-        blank = re.search(rb"\n\r?\n", file.read(1 << 16))
-    return max(0, there - blank.end() - needed) if blank else 0
+        found = re.search(end, file.read(1 << 16), re.DOTALL)
+    return found.end() if found else otherwise
+
+
+def _said_by_gzip(path: Path) -> int:
+    """Bytes that are packed in a file, by its last four; 0 if that is more than deflate can pack."""
+    with open(path, "rb") as file:
+        file.seek(-4, os.SEEK_END)
+        (inside,) = struct.unpack("<I", file.read(4))
+    return inside if inside <= 1032 * path.stat().st_size else 0
 
 
 def first_bytes(path: Path) -> bytes:

@@ -55,8 +55,14 @@ def labelled(path: Path, voxels: np.ndarray) -> None:
 
 def longer(path: Path, voxels: np.ndarray) -> None:
     """Two planes more than the header says."""
-    written(voxels, path)
-    path.write_bytes(path.read_bytes() + voxels[:2].tobytes())
+    image = sitk.GetImageFromArray(voxels)
+    image.SetSpacing(SPACING)
+    packed = path.name.startswith("packed_") or path.suffix == ".gz"
+    sitk.WriteImage(image, str(path), useCompression=packed)
+    data, more = path.read_bytes(), voxels[:2].tobytes()
+    begin = data.index(b"\x1f\x8b") if packed else len(data)
+    inside = gzip.compress(gzip.decompress(data[begin:]) + more) if packed else more
+    path.write_bytes(data[:begin] + inside)
 
 
 def block(path: Path, voxels: np.ndarray) -> None:

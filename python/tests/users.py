@@ -268,8 +268,9 @@ TOLD: dict[str, tuple[Make, str]] = {  # two truths in a file, and which counts;
     "more.nrrd": (
         lambda path, v: nrrd(path, np.concatenate([v, v]), "spacings: 1.25 1.25 2.5"),
         "It holds 442368 bytes more than its header says."),
-    "more.nii": (
-        longer, "It holds 18432 bytes more than its header says."),
+    **dict.fromkeys(
+        ("more.nii", "more.nii.gz", "packed_more.nrrd", "more.vtk"),
+        (longer, "It holds 18432 bytes more than its header says.")),
     "aspect.dcm": (
         lambda path, v: changed(path, v, PixelAspectRatio=["2", "1"]),
         "Its pixels are 1.25 x 1.25 mm large, by PixelAspectRatio 2 times as long as wide: the first counts."),
