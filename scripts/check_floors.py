@@ -21,7 +21,7 @@ from pathlib import Path
 #   any     whatever is found            kernels   the embedded kernels and pages that the build generates
 FLOORS = """
 include | | fixed
-include/smartvis/author*.h include/smartvis/lengths.h include/smartvis/lookup.h include/smartvis/probe.h | abi | fixed libc
+include/smartvis/author*.h include/smartvis/band.h include/smartvis/lengths.h include/smartvis/lookup.h include/smartvis/probe.h | abi | fixed libc
 include/smartvis/device.h | abi | fixed libc
 include/smartvis/open.h | abi | fixed libc windows
 include/smartvis | abi | fixed

@@ -6,17 +6,17 @@
  *   channel   hs_guard_order ->  the parent has filled in the block, the child works
  *             <- hs_guard_reply  the child has filled in the block, the parent reads
  *   block     hs_guard_block, then depth, confidence, scanned ranges, status (hs_guard_map_offset), each
- *             with a band behind it (core/band.h)
+ *             with a band behind it (smartvis/band.h)
  *   slabs     memory of its own, which the child can only read
  *
  * The parent believes nothing in it: it copies once, then looks at the copy. Texts end where their arrays do.
  */
 #pragma once
 
-#include "core/band.h"
 #include "core/error.h"
 #include "plugin/capabilities.h"
 #include "plugin/loader_param.h"
+#include "smartvis/band.h"
 
 #include <stdatomic.h>
 
@@ -165,12 +165,12 @@ static inline size_t hs_guard_block_bytes(void) {
 /* Bytes from the block's start to a map; of HS_GUARD_MAPS: the whole size. */
 static inline size_t hs_guard_map_offset(hs_guard_map map, size_t pixels) {
     return hs_guard_block_bytes() + (map < HS_GUARD_MAPS ? (size_t)map * 4u : 13u) * pixels +
-           (size_t)map * HS_BAND_BYTES;
+           (size_t)map * SV_BAND_BYTES;
 }
 
 /* The band behind a map. */
 static inline void *hs_guard_band(hs_guard_block *block, hs_guard_map map, size_t pixels) {
-    return (uint8_t *)block + hs_guard_map_offset((hs_guard_map)(map + 1), pixels) - HS_BAND_BYTES;
+    return (uint8_t *)block + hs_guard_map_offset((hs_guard_map)(map + 1), pixels) - SV_BAND_BYTES;
 }
 
 /* The child: loads the plugin and does what the channel orders, until it is closed. The hidden command

@@ -156,15 +156,15 @@ static sv_status finish(server_state *server, sv_status status) {
  */
 static sv_status check_bands(server_state *server, const char *call, sv_status status) {
     static const char *const behind[HS_GUARD_MAPS] = {
-        "", " into what follows the confidence map", " into what follows the scanned ranges", HS_BAND_STATUS};
+        "", " into what follows the confidence map", " into what follows the scanned ranges", SV_BAND_STATUS};
     const size_t pixels = server->carrier.pixels;
     int map = 0;
     for (int m = HS_GUARD_MAPS - 1; m >= 0; m--) /* all are whole again, and the first is told */
-        if (!hs_band_holds(hs_guard_band(server->block, (hs_guard_map)m, pixels))) map = m + 1;
+        if (!sv_band_holds(hs_guard_band(server->block, (hs_guard_map)m, pixels))) map = m + 1;
     if (map == 0 || !hs_status_is_success(status)) return status;
     char reason[128];
     enter_call(server, call, 0, 0); /* it was this call, and not what came behind it */
-    (void)snprintf(reason, sizeof reason, HS_BAND_TEXT, call, (unsigned)pixels, behind[map - 1]);
+    (void)snprintf(reason, sizeof reason, SV_BAND_TEXT, call, (unsigned)pixels, behind[map - 1]);
     return fail_with(server, SV_ERR_INTERNAL, reason);
 }
 
@@ -248,7 +248,7 @@ static sv_status activate(server_state *server) {
     if (!hs_carrier_open(&server->carrier, block, &format, &err))
         return fail_with(server, err.code == HS_ERR_MEMORY ? SV_ERR_NO_MEMORY : SV_ERR_OPENCL, err.text);
     for (int map = 0; map < HS_GUARD_MAPS; map++)
-        hs_band_make(hs_guard_band(block, (hs_guard_map)map, server->carrier.pixels));
+        sv_band_make(hs_guard_band(block, (hs_guard_map)map, server->carrier.pixels));
     format.values = format.value_count ? block->values : NULL;
     enter_call(server, "activate", 0, 0);
     const sv_status status = instance->activate(instance, &format);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "loop/clipper.h"
 
-#include "core/band.h"
 #include "guarded/guarded.h"
 #include "loop/confidence_map.h"
 #include "loop/map_check.h"
 #include "plugin/loader_param.h"
+#include "smartvis/band.h"
 
 #include <float.h>
 #include <math.h>
@@ -88,12 +88,12 @@ static bool create_memory(hs_clipper *clipper, hs_error *err) {
     if (!hs_map_check_create(&clipper->check, clipper->cl, layout->width, layout->height, err) ||
         !hs_cl_take_buffer(clipper->cl, bytes, "depthmap", &clipper->depth, err))
         return false;
-    clipper->host_depth = calloc(1, bytes + HS_BAND_BYTES);
-    clipper->status = calloc(1, clipper->pixels + HS_BAND_BYTES);
+    clipper->host_depth = calloc(1, bytes + SV_BAND_BYTES);
+    clipper->status = calloc(1, clipper->pixels + SV_BAND_BYTES);
     if (!clipper->host_depth || !clipper->status)
         return hs_fail(err, HS_ERR_MEMORY, "depthmap: no memory for %zu pixels", clipper->pixels);
-    hs_band_make(clipper->host_depth + clipper->pixels);
-    hs_band_make(clipper->status + clipper->pixels);
+    sv_band_make(clipper->host_depth + clipper->pixels);
+    sv_band_make(clipper->status + clipper->pixels);
     return true;
 }
 
@@ -255,12 +255,12 @@ static bool refuse_depths(hs_clipper *clipper) {
 
 /* False with the error if the plugin wrote behind its maps: in words of a plugin that finds that itself. */
 static bool bands_hold(hs_clipper *clipper, const char *call) {
-    const bool depth = hs_band_holds(clipper->host_depth + clipper->pixels);
-    const bool status = hs_band_holds(clipper->status + clipper->pixels);
+    const bool depth = sv_band_holds(clipper->host_depth + clipper->pixels);
+    const bool status = sv_band_holds(clipper->status + clipper->pixels);
     return (depth && status) ||
-           hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: %s: %s (%d): " HS_BAND_TEXT, clipper->plugin->path,
+           hs_fail(&clipper->error, HS_ERR_PLUGIN, "%s: %s: %s (%d): " SV_BAND_TEXT, clipper->plugin->path,
                    call, hs_status_name(SV_ERR_INTERNAL), SV_ERR_INTERNAL, call, (unsigned)clipper->pixels,
-                   depth ? HS_BAND_STATUS : "");
+                   depth ? SV_BAND_STATUS : "");
 }
 
 /* What can be said against a frame whose calls all succeeded; keeps the first of it. */

@@ -7,6 +7,7 @@
 #define SMARTVIS_AUTHOR_CALLS_H
 
 #include "smartvis/author_any.h"
+#include "smartvis/band.h"
 
 SMARTVIS_BEGIN_C
 
@@ -94,27 +95,18 @@ static inline void sva_keep_format(sva *a, const sv_format *format) {
     for (int i = 0; i < 3; i++) f->spacing_mm[i] = SV_ASSUMED_EXTENT_MM / (float)longest;
 }
 
-/* Bytes of a known value behind each map that a method fills: more than a row of most of them. */
-enum { SVA_GUARD_BYTES = 4096, SVA_GUARD = 0xa5 };
-
-/* Zeros for every ray, with the guard behind them; NULL without memory. */
+/* Zeros for every ray, with a band behind them; NULL without memory. */
 static inline void *sva_make_map(const sva *a, size_t ray_bytes) {
     const size_t rays = sva_rays(a), bytes = rays * ray_bytes;
-    if (ray_bytes > ((size_t)-1 - SVA_GUARD_BYTES) / rays) return NULL;
-    uint8_t *map = (uint8_t *)calloc(1, bytes + SVA_GUARD_BYTES);
-    if (map) memset(map + bytes, SVA_GUARD, SVA_GUARD_BYTES);
+    if (ray_bytes > ((size_t)-1 - SV_BAND_BYTES) / rays) return NULL;
+    uint8_t *map = (uint8_t *)calloc(1, bytes + SV_BAND_BYTES);
+    if (map) sv_band_make(map + bytes);
     return map;
 }
 
-/* 1 if something was written behind a map; the guard is whole again then. */
+/* 1 if something was written behind a map; its band is whole again then. */
 static inline int sva_is_overrun(const sva *a, void *map, size_t ray_bytes) {
-    uint8_t *guard = map ? (uint8_t *)map + sva_rays(a) * ray_bytes : NULL;
-    for (size_t i = 0; guard && i < SVA_GUARD_BYTES; i++)
-        if (guard[i] != SVA_GUARD) {
-            memset(guard, SVA_GUARD, SVA_GUARD_BYTES);
-            return 1;
-        }
-    return 0;
+    return map && !sv_band_holds((uint8_t *)map + sva_rays(a) * ray_bytes);
 }
 
 /* The method's status, or SV_ERR_INTERNAL if it has written beyond its rays. */
@@ -123,7 +115,7 @@ static inline sv_status sva_check_maps(sva *a, const char *call, sv_status statu
               rays = sva_is_overrun(a, a->rays, a->method->ray_bytes);
     const unsigned count = (unsigned)sva_rays(a);
     if (!depth && !points && !rays) return status;
-    return sva_accuse(a, SV_ERR_INTERNAL, "%s: surface wrote beyond its %u rays%s", call, count,
+    return sva_accuse(a, SV_ERR_INTERNAL, SV_BAND_TEXT, call, count,
                       depth    ? ""
                       : points ? " into what follows sva.points"
                                : " into what follows sva.rays: is sva_method.ray_bytes right?");

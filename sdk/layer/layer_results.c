@@ -126,7 +126,7 @@ static void enqueue_results(ly_watch *w, const rc_call *c) {
 
 /* ---- maps that are lent */
 static uint8_t *lent_status(const ly_watch *w) {
-    return w->lent + w->rays * sizeof(float) + HS_BAND_BYTES;
+    return w->lent + w->rays * sizeof(float) + SV_BAND_BYTES;
 }
 
 const sv_result *ly_results_lend(const ly_instance *i, const rc_call *c, sv_result *lent) {
@@ -137,8 +137,8 @@ const sv_result *ly_results_lend(const ly_instance *i, const rc_call *c, sv_resu
     *lent = *r;
     lent->depth = memcpy(w->lent, r->depth, w->rays * sizeof(float));
     if (r->status) lent->status = memcpy(lent_status(w), r->status, w->rays);
-    hs_band_make(w->lent + w->rays * sizeof(float));
-    hs_band_make(lent_status(w) + w->rays);
+    sv_band_make(w->lent + w->rays * sizeof(float));
+    sv_band_make(lent_status(w) + w->rays);
     return lent;
 }
 
@@ -148,10 +148,10 @@ void ly_results_back(ly_instance *i, const rc_call *c, const sv_result *lent) {
     const unsigned rays = (unsigned)w->rays;
     memcpy(c->result->depth, lent->depth, w->rays * sizeof(float));
     if (lent->status) memcpy(c->result->status, lent->status, w->rays);
-    RULE_EXPECT(&i->called, RULE_guard_bands, hs_band_holds(w->lent + w->rays * sizeof(float)), HS_BAND_TEXT,
+    RULE_EXPECT(&i->called, RULE_guard_bands, sv_band_holds(w->lent + w->rays * sizeof(float)), SV_BAND_TEXT,
                 call, rays, "");
-    RULE_EXPECT(&i->called, RULE_guard_bands, hs_band_holds(lent_status(w) + w->rays), HS_BAND_TEXT, call,
-                rays, HS_BAND_STATUS);
+    RULE_EXPECT(&i->called, RULE_guard_bands, sv_band_holds(lent_status(w) + w->rays), SV_BAND_TEXT, call,
+                rays, SV_BAND_STATUS);
 }
 
 void ly_results_before(ly_watch *w, const sv_result *r) {

@@ -11,7 +11,7 @@ static ly_watch *ly_watch_open(const sv_format *format) {
     if (!w) return NULL;
     w->format = *format;
     w->rays = (size_t)format->width * format->height;
-    if (!format->queue) w->lent = malloc(5 * w->rays + (size_t)2 * HS_BAND_BYTES);
+    if (!format->queue) w->lent = malloc(5 * w->rays + (size_t)2 * SV_BAND_BYTES);
     /* Commands of the host's queue cost more than copies. */
     const size_t rows = format->queue ? 1 : LY_OWN_BYTES / all;
     w->rows = rows < format->height ? (uint32_t)rows : format->height;

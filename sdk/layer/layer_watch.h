@@ -10,8 +10,8 @@
  */
 #pragma once
 
-#include "core/band.h"
 #include "layer/layer.h"
+#include "smartvis/band.h"
 
 #include <CL/cl.h>
 
