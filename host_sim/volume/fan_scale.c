@@ -23,7 +23,7 @@ typedef struct {
     border scaled;
     double (*points)[3];
     double *room;
-    const hs_probe *faces;
+    const hs_probe *faces; /* NULL: all, in their order */
     int face_count;
     bool turned, found;
     double share, factor[3]; /* of the best so far */
@@ -42,7 +42,7 @@ static void try_factor(search *s, const hs_volume *v, const border *b, const dou
     scale_border(s, b, factor);
     for (int n = 0; n < s->face_count; n++) {
         double axes[9];
-        hs_probe_axes(v, s->faces[n], axes);
+        hs_probe_axes(v, s->faces ? s->faces[n] : (hs_probe)n, axes);
         const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, axis, hopeless);
         if (!hs_fan_scale_rests(&f) || f.share <= s->share || f.x[FACE] > hardly) continue;
         if (!hs_fan_holds(&f, &s->scaled, axes)) continue;
@@ -66,11 +66,9 @@ static bool are_equal(const double a[3], const double b[3]) {
 /* From any face: with other lengths along all axes, the one that it narrows to need not be among the best.
  * Of a volume with two equal spacings, orders come twice. */
 static void try_orders(search *s, const hs_volume *v, const border *b) {
-    static const hs_probe any[HS_PROBE_COUNT] = {HS_PROBE_LOW_Z,  HS_PROBE_HIGH_Z, HS_PROBE_LOW_Y,
-                                                 HS_PROBE_HIGH_Y, HS_PROBE_LOW_X,  HS_PROBE_HIGH_X};
     static const int orders[5][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
     double factors[5][3];
-    s->faces = any;
+    s->faces = NULL;
     s->face_count = HS_PROBE_COUNT;
     for (int n = 0; n < 5; n++) {
         bool is_new = true;
