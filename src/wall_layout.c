@@ -244,6 +244,16 @@ sv_wall_taps sv_wall_taps_of(const sv_wall_span *spans, uint32_t x, uint32_t ray
 
 #define HALF_PI 1.57079632679489661923
 
+size_t sv_wall_pyramid_cells(uint32_t columns, uint32_t rows) {
+    size_t cells = (size_t)columns * rows;
+    while (columns > 1 || rows > 1) {
+        columns = (columns + 1) / 2;
+        rows = (rows + 1) / 2;
+        cells += (size_t)columns * rows;
+    }
+    return cells;
+}
+
 void sv_wall_tables(uint32_t tables[SV_WALL_TABLE_WORDS]) {
     const double odds_one = 1 << SV_WALL_ODDS_BITS;
     const double step = (double)(1 << SV_WALL_LOGISTIC_BITS) / odds_one;

@@ -6,6 +6,7 @@
 #include "wall/wall_shared.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 /* Every constant of the definition, with the value that docs/surface.md states: lengths in mm, ratios and
@@ -98,6 +99,9 @@ sv_wall_span sv_wall_span_of(uint32_t ray, uint32_t voxels, uint32_t rays);
 
 /* Arranges the spans of the rays x .. x + SV_WALL_TOGETHER - 1, as far as there are so many, for vectors. */
 sv_wall_taps sv_wall_taps_of(const sv_wall_span *spans, uint32_t x, uint32_t rays);
+
+/* Cells of a grid and of all coarser ones, each half as wide as the one before, down to one cell. */
+size_t sv_wall_pyramid_cells(uint32_t columns, uint32_t rows);
 
 /* Square roots, ln of odds and the logistic function in fixed-point: the kernels get the same numbers. Signed
  * values in two's complement. */

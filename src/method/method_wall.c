@@ -67,17 +67,6 @@ static sv_wall_own own_of(const sv_map *m) {
     return own;
 }
 
-/* Returns the bytes of a pyramid of grids, from the cells' down to one cell. */
-static size_t rim_bytes(const sv_wall_layout *l) {
-    size_t columns = l->cells[0], rows = l->cells[1], cells = columns * rows;
-    while (columns > 1 || rows > 1) {
-        columns = (columns + 1) / 2;
-        rows = (rows + 1) / 2;
-        cells += columns * rows;
-    }
-    return cells * sizeof(cl_uint4);
-}
-
 /* Finds the bytes of the buffers that every grid has: a camera's, or the one along the beams. */
 static void find_bytes(const sv_map *m, const sv_wall_layout *l, size_t bytes[SV_WALL_BUFFERS]) {
     const size_t plane = padded_columns(l) * l->rows, margin = SV_WALL_MAX_NEIGHBOUR;
@@ -96,7 +85,8 @@ static void find_bytes(const sv_map *m, const sv_wall_layout *l, size_t bytes[SV
     bytes[SV_WALL_INFO] = SV_WALL_INFO_WORDS * sizeof(cl_uint);
     bytes[SV_WALL_SCRATCH] = l->rows * scratch_words(m, l) * sizeof(cl_uint);
     bytes[SV_WALL_COSTS] = cells * sizeof(cl_ushort);
-    if (bytes[SV_WALL_RIM] < rim_bytes(l)) bytes[SV_WALL_RIM] = rim_bytes(l);
+    const size_t rim = sv_wall_pyramid_cells(l->cells[0], l->cells[1]) * sizeof(cl_uint4);
+    if (bytes[SV_WALL_RIM] < rim) bytes[SV_WALL_RIM] = rim;
     bytes[SV_WALL_FINE] = fine * sizeof(cl_ushort);
     bytes[SV_WALL_PLANES] = SURFACE_PLANES * plane * sizeof(cl_float);
 }

@@ -87,17 +87,6 @@ static void tell(rim_cell *fine, const uint32_t n[2], uint32_t least) {
         }
 }
 
-/* Cells of a grid and of all coarser ones. */
-static size_t cells_of(uint32_t columns, uint32_t rows) {
-    size_t cells = (size_t)columns * rows;
-    while (columns > 1 || rows > 1) {
-        columns = (columns + 1) / 2;
-        rows = (rows + 1) / 2;
-        cells += (size_t)columns * rows;
-    }
-    return cells;
-}
-
 /* Returns the layer that a ray's surface may go on to, from `from` towards `to`: as long as no layer costs 1
  * more than the cheapest one, `least`. Deeper it would cut a fetus that lies against the wall. */
 static uint32_t deepest(const sv_wall_layout *l, const uint32_t *costs, size_t ray, float least,
@@ -114,7 +103,7 @@ bool sv_wall_go_on(const sv_wall_scan *s, const uint32_t *costs, const float *le
     const sv_wall_layout *l = s->layout;
     const uint32_t n[2] = {l->columns, l->rows};
     const size_t count = (size_t)l->columns * l->rows;
-    rim_cell *const cells = calloc(cells_of(n[0], n[1]), sizeof *cells);
+    rim_cell *const cells = calloc(sv_wall_pyramid_cells(n[0], n[1]), sizeof *cells);
     if (!cells) return false;
     for (size_t ray = 0; ray < count; ray++) {
         cells[ray].sure = own[ray] && s->blocks->first[ray] < s->blocks->end[ray] ? SV_WALL_RIM_SURE : 0;
