@@ -9,7 +9,6 @@ needs matplotlib.
 """
 
 import argparse
-import csv
 import json
 import os
 import subprocess
@@ -17,13 +16,15 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import SimpleITK as sitk
 
 import smartvis
 from smartvis import _host
+
+sys.path.append(str(Path(__file__).parent / "shared"))
+from tables import Row, add_outputs, save
 
 SIZES = ((128, 128, 128), (256, 256, 256), (400, 400, 400), (512, 512, 512), (1024, 1024, 512))
 SCENE, SCENE_SIZE, SMALL, EXTENT_MM = "D01", 128, (32, 32, 32), 120.0
@@ -68,7 +69,7 @@ def measure(size: tuple[int, ...], folder: Path, frames: int) -> dict[str, float
     return {**times, "clip": 1e3 * seconds, "run_peak": run, "picture_peak": picture, "clip_peak": clip}
 
 
-def plot(rows: list[dict[str, Any]], path: str) -> None:
+def plot(rows: list[Row], path: str) -> None:
     """Time and memory against the voxels, and what is linear."""
     from matplotlib.figure import Figure
 
@@ -101,10 +102,9 @@ def main() -> None:
     parse = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parse.add_argument("--size", type=size_of, action="append", metavar="X,Y,Z", help="these sizes only; N: a cube")
     parse.add_argument("--frames", type=int, default=15, help="new volumes in the loop (%(default)s)")
-    parse.add_argument("--csv", help="all numbers")
-    parse.add_argument("--svg", help="the plot")
+    add_outputs(parse)
     given = parse.parse_args()
-    rows = list[dict[str, Any]]()
+    rows = list[Row]()
     names = (*STAGES, "clip")
     heads = " ".join(f"{name:>8}" for name in names)
     print(f"{'size':>16} | ms: {heads} | volumes: {'run':>5} picture  clip", flush=True)
@@ -112,7 +112,7 @@ def main() -> None:
         os.environ.pop("SMARTVIS_QUICK_KERNELS", None)
         least = measure(SMALL, Path(folder), given.frames)
         for size in given.size or SIZES:
-            row: dict[str, Any] = measure(size, Path(folder), given.frames)
+            row: Row = measure(size, Path(folder), given.frames)
             row |= {"voxels": int(np.prod(size)), "size": " x ".join(map(str, size))}
             row |= {name: (row[name] - least[name]) / row["voxels"] for name in row if name.endswith("_peak")}
             rows.append(row)
@@ -122,13 +122,7 @@ def main() -> None:
     for name in names:
         growth = [row[name] / row["voxels"] * rows[0]["voxels"] / rows[0][name] for row in rows]
         print(f"{name:>16}: {' '.join(f'{times:.2f}' for times in growth)} times as long for each voxel")
-    if given.csv:
-        with open(given.csv, "w", newline="") as file:
-            table = csv.DictWriter(file, rows[0])
-            table.writeheader()
-            table.writerows(rows)
-    if given.svg:
-        plot(rows, given.svg)
+    save(rows, given, plot)
 
 
 if __name__ == "__main__":

@@ -10,9 +10,9 @@ over scenes of 128 voxels an axis, steps. The plot needs matplotlib.
 """
 
 import argparse
-import csv
 import ctypes
 import os
+import sys
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -26,6 +26,9 @@ import smartvis
 from smartvis import _abi, _scene
 from smartvis._instance import Instance
 
+sys.path.append(str(Path(__file__).parent / "shared"))
+from tables import Row, add_outputs, save
+
 SIZES, SCENE_SIZE, SLICES = (128, 171, 512), 128, 64
 SCENES = ("D01", "E01", "M02")
 FLUID = 40  # its brightest grey level: the plugin's threshold by default
@@ -36,7 +39,6 @@ BONES = ((0.42, 0.38, 0.58), (0.50, 0.35, 0.56), (0.58, 0.39, 0.58), (0.45, 0.50
 RADIUS, THICKNESS = 0.034, 0.03
 
 Variant = dict[str, Any]
-Row = dict[str, Any]
 
 # Parameters that approximate: the definition has none of them.
 APPROXIMATE = ("precision", "spline_grid")
@@ -191,8 +193,7 @@ def main() -> None:
     parse.add_argument("--quick", action="store_true", help="9 variants, 10 frames, 0.3 seconds")
     parse.add_argument("--size", type=int, action="append", choices=SIZES, help="maps of N x N pixels only")
     parse.add_argument("--no-truth", action="store_true", help="without the scenes")
-    parse.add_argument("--csv", help="all numbers")
-    parse.add_argument("--svg", help="the plot")
+    add_outputs(parse)
     given = parse.parse_args()
     listed = QUICK if given.quick else QUICK + MORE
     known = smartvis.load().parameters["method"].choices
@@ -211,13 +212,7 @@ def main() -> None:
             print(f"{label(variant):48} {size:4} | {times} | {off} | {truth!s:.4}", flush=True)
     if far:
         print(f"nothing clipped: {far['unclipped']:.1f} steps")
-    if given.csv:
-        with open(given.csv, "w", newline="") as file:
-            table = csv.DictWriter(file, rows[0])
-            table.writeheader()
-            table.writerows(rows)
-    if given.svg:
-        plot(rows, given.svg)
+    save(rows, given, plot)
 
 
 if __name__ == "__main__":
