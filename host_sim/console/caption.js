@@ -19,7 +19,7 @@ function wordsOf(view, asked, moves) {
     ...(moves ? [] : shown.lanes.map((lane) => lane.words)),
     ...(shown.source.doubt ? [shown.source.doubt] : []),
     ...measurements(),
-    "SmartVis, for research, not a medical device",
+    "SmartVis " + link.hello.version + ", for research, not a medical device",
   ];
 }
 
@@ -88,5 +88,5 @@ async function captioned(blob, words, view, of = state) {
   g.font = font; /* a canvas that grows forgets it */
   lines.forEach((text, i) => g.fillText(text, line / 2, image.height + line * (i + 2.75)));
   drawScale(g, image.width, image.height + line * 1.25, line);
-  return new Promise((done) => { canvas.toBlob(done, "image/png"); });
+  return withTextsOf(blob, await new Promise((done) => { canvas.toBlob(done, "image/png"); }));
 }

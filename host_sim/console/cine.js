@@ -16,35 +16,10 @@ const CINE_KINDS = [["png", "animated PNG", ""], ["mp4", "MP4", "video/mp4"], ["
  * that is cancelled waits for the last one. */
 const cine = { on: false, take: null };
 
-const CRC_OF_BYTE = Array.from({ length: 256 }, (_, byte) => {
-  let c = byte;
-  for (let bit = 0; bit < 8; bit++) c = c & 1 ? 0xedb88320 ^ (c >>> 1) : c >>> 1;
-  return c;
-});
-
-/* A chunk of a PNG: its length, its type, these parts (bytes, or numbers of 32 bits), and their sum. */
-function chunkOf(type, ...parts) {
-  const numbers = (part) => (typeof part === "number" ? [24, 16, 8, 0].map((shift) => (part >>> shift) & 255) : [...part]);
-  const bytes = [...new TextEncoder().encode(type)].concat(...parts.map(numbers));
-  const out = new Uint8Array(bytes.length + 8), view = new DataView(out.buffer);
-  view.setUint32(0, bytes.length - 4);
-  out.set(bytes, 4);
-  view.setUint32(bytes.length + 4, ~bytes.reduce((crc, byte) => CRC_OF_BYTE[(crc ^ byte) & 255] ^ (crc >>> 8), -1));
-  return out;
-}
-
-/* What the chunks of one type hold. */
-function chunksIn(png, type) {
-  const view = new DataView(png.buffer), found = [];
-  for (let at_ = 8; at_ < png.length; at_ += view.getUint32(at_) + 12)
-    if (new TextDecoder().decode(png.subarray(at_ + 4, at_ + 8)) === type) found.push(png.subarray(at_ + 8, at_ + 8 + view.getUint32(at_)));
-  return found;
-}
-
 /* One PNG of many that are equally large. */
 async function animated(blobs) {
-  const pngs = await Promise.all(blobs.map(async (blob) => new Uint8Array(await blob.arrayBuffer())));
-  const [head] = chunksIn(pngs[0], "IHDR"), parts = [pngs[0].subarray(0, 8), chunkOf("IHDR", head), chunkOf("acTL", pngs.length, 0)];
+  const pngs = await Promise.all(blobs.map(bytesOf));
+  const [head] = chunksIn(pngs[0], "IHDR"), parts = [pngs[0].subarray(0, 8), chunkOf("IHDR", head), ...textsOf(pngs[0]), chunkOf("acTL", pngs.length, 0)];
   let serial = 0;
   pngs.forEach((png, i) => {
     parts.push(chunkOf("fcTL", serial++, head.subarray(0, 8), 0, 0, CINE_MS * 65536 + 1000, new Uint8Array(2)));

@@ -6,6 +6,7 @@
 #include "scene/scene.h"
 #include "scene/scene_spec.h"
 #include "show/loop_pictures.h"
+#include "sv_version.h"
 #include "volume/fan_fit.h"
 
 #include <jansson.h>
@@ -89,6 +90,7 @@ char *hs_console_reply_hello(const hs_console_offers *offers, const hs_console_f
     for (int i = 0; i < HS_FROM_COUNT; i++)
         (void)json_array_append_new(places, json_string(hs_from_name((hs_from)i)));
     put(root, "type", json_string("hello"));
+    put(root, "version", json_string(SV_VERSION));
     put(root, "scenes", scenes());
     put(root, "files", list);
     put(root, "places", places);

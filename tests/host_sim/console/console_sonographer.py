@@ -9,6 +9,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 
 from console_client import Console, holds
 from console_look import PATIENCE, RESULT, SUM, a_page, choose, pixels, png_pixels, settle, snapshot, until
@@ -232,6 +233,21 @@ def slices_turn_and_mirror(b):
     choose(b, "source", "file 0 D01_full.mha", then="the other file")
 
 
+def names_its_version(b, path, what):
+    """A PNG whose chunks are whole, and which says version and commit once."""
+    with open(path, "rb") as file:
+        data, texts, at = file.read(), [], 8
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        body, crc = data[at + 8:at + 8 + length], struct.unpack(">I", data[at + 8 + length:at + 12 + length])[0]
+        holds(zlib.crc32(kind + body) == crc, f"{what}: the sum of {kind} is wrong")
+        texts += [body] if kind == b"tEXt" else []
+        at += 12 + length
+    version = subprocess.run([os.path.join(BUILD, "host_sim"), "--version"], capture_output=True, text=True, check=True).stdout.split()[1].rstrip(",")
+    holds(texts == [b"Software\0SmartVis " + version.encode()], f"{what}: its texts are {texts}")
+    holds(f"SmartVis {version}, for research" in b.run("return wordsOf('result', state).join('; ')"), f"a caption without {version}")
+
+
 def a_captioned_picture(b, work):
     """The picture as it is, and below it words and a scale."""
     path, found = os.path.join(work, "smartvis_D01_full.mha_result.png"), []
@@ -243,6 +259,7 @@ def a_captioned_picture(b, work):
         with open(path, "rb") as file:
             width, height = struct.unpack(">2I", file.read(24)[16:])
         found.append((width, height, png_pixels(b, path, width), png_pixels(b, path)))
+        names_its_version(b, path, "with a caption" if caption else "as it was drawn")
         os.remove(path)
     (width, height, picture, _), (wide, high, upper, whole) = found
     holds((width, picture) == (wide, upper) and high > height + 60 and whole != upper, f"captions: {found}")
@@ -338,6 +355,7 @@ def a_cine(b, work):
     size = int(b.wait_for("document.body.dataset.snapshot", "a cine"))
     path, seen = os.path.join(work, "smartvis_D01_result_cine.png"), []
     until(lambda: os.path.exists(path) and os.path.getsize(path) == size, PATIENCE, "its file")
+    names_its_version(b, path, "a cine")
     with open(path, "rb") as file:
         data = base64.b64encode(file.read()).decode()
     for i in range(3):
