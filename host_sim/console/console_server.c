@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "console/console.h"
+#include "console/console_guests.h"
 
 #include "core/progress.h"
 #include "core/text.h"
@@ -17,17 +18,10 @@
 #include <sys/socket.h>
 #include <time.h>
 
-#define SERVED          128 /* connections at a time: a thread each, which costs 16 KiB */
 #define TEXT_OF(number) #number
 #define AS_TEXT(number) TEXT_OF(number)
 #define DROP_PART_S     30.0 /* for 256 KiB of a file, if another one waits */
-enum { MAX_IDLE = 64, MAX_FILES = 1024, MAX_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
-
-/* A connection that is no page. */
-typedef struct guest {
-    const struct mg_connection *connection; /* NULL: a free place */
-    uint64_t turn;
-} guest;
+enum { MAX_PAGES = 4, OPCODE = 0x0f, WHOLE = 0x80 };
 
 struct hs_console_server {
     const hs_console_shared *shared;
@@ -39,64 +33,20 @@ struct hs_console_server {
     pthread_mutex_t lock;          /* of what follows, and held until the server has started */
     uint32_t port;
     uint32_t pages, ever;
-    uint64_t turns;                      /* connections so far */
     uint64_t dropped;                    /* bytes that pages have dropped */
     const struct mg_connection *dropper; /* whose file comes; NULL: none does */
     double drop_due;                     /* until then it has its place, also if another one comes */
-    guest guests[SERVED];
+    hs_console_guests guests;
 };
 
 /* ------------------------------------------------------------------------------------------- guests -- */
-
-/* The place of a connection; NULL: it has none. */
-static guest *guest_of(hs_console_server *server, const struct mg_connection *c) {
-    for (uint32_t i = 0; i < SERVED; i++)
-        if (server->guests[i].connection == c) return &server->guests[i];
-    return NULL;
-}
-
-/* Whether this is the socket of the request's connection; the library does not tell. */
-static bool is_socket_of(int socket, const struct mg_request_info *request) {
-    struct sockaddr_storage peer = {0};
-    socklen_t bytes = sizeof peer;
-    char host[NI_MAXHOST], port[NI_MAXSERV];
-    return getpeername(socket, (struct sockaddr *)&peer, &bytes) == 0 &&
-           (peer.ss_family == AF_INET || peer.ss_family == AF_INET6) &&
-           getnameinfo((struct sockaddr *)&peer, bytes, host, sizeof host, port, sizeof port,
-                       NI_NUMERICHOST | NI_NUMERICSERV) == 0 &&
-           atoi(port) == request->remote_port && strcmp(host, request->remote_addr) == 0;
-}
-
-/* Ends the wait of the thread that serves it. The lock is held, and end_guest waits for it before the library
- * closes the socket: so no other file can have its number. */
-static void shut(const struct mg_connection *c) {
-    const struct mg_request_info *request = mg_get_request_info(c);
-    int socket = 0;
-    while (request && socket < MAX_FILES && !is_socket_of(socket, request)) socket++;
-    if (request && socket < MAX_FILES) (void)shutdown(socket, SHUT_RDWR);
-}
-
-static void give_up(guest *one) {
-    shut(one->connection);
-    one->connection = NULL;
-}
-
-/* Gives the place a turn. Who still waits for its client when MAX_IDLE turns were given after its own is
- * given up: however many slow clients there are, threads are left for others. */
-static void take_turn(hs_console_server *server, guest *place, const struct mg_connection *c) {
-    if (!place) return;
-    *place = (guest){c, ++server->turns};
-    for (uint32_t i = 0; i < SERVED; i++)
-        if (server->guests[i].connection && server->guests[i].turn + MAX_IDLE <= server->turns)
-            give_up(&server->guests[i]);
-}
 
 /* Every connection, before it has said anything. */
 static int begin_guest(const struct mg_connection *c, void **data) {
     (void)data;
     hs_console_server *server = mg_get_user_data(mg_get_context(c));
     (void)pthread_mutex_lock(&server->lock);
-    take_turn(server, guest_of(server, NULL), c);
+    hs_console_guest_turn(&server->guests, c);
     (void)pthread_mutex_unlock(&server->lock);
     return 0;
 }
@@ -104,8 +54,7 @@ static int begin_guest(const struct mg_connection *c, void **data) {
 static void end_guest(const struct mg_connection *c) {
     hs_console_server *server = mg_get_user_data(mg_get_context(c));
     (void)pthread_mutex_lock(&server->lock);
-    guest *one = guest_of(server, c);
-    if (one) one->connection = NULL;
+    hs_console_guest_leave(&server->guests, c);
     (void)pthread_mutex_unlock(&server->lock);
 }
 
@@ -156,7 +105,7 @@ static bool names_proxy(const hs_console_server *server, const struct mg_connect
 /* Whether the request, which is whole, names this server. */
 static bool is_for_us(hs_console_server *server, const struct mg_connection *c) {
     (void)pthread_mutex_lock(&server->lock);
-    take_turn(server, guest_of(server, c), c);
+    hs_console_guest_turn(&server->guests, c);
     (void)pthread_mutex_unlock(&server->lock);
     return names_proxy(server, c) || hs_console_host_is_ours(mg_get_header(c, "Host"), server->loopback);
 }
@@ -183,7 +132,7 @@ static int receive(void *connection, void *out, size_t bytes) {
 static void take_place(hs_console_server *server) {
     static const struct timespec pause = {.tv_nsec = 20000000};
     if (!server->dropper || hs_now() < server->drop_due) return;
-    shut(server->dropper);
+    hs_console_shut(server->dropper);
     for (int n = 0; server->dropper && n < 100; n++) {
         (void)pthread_mutex_unlock(&server->lock);
         (void)nanosleep(&pause, NULL);
@@ -196,8 +145,7 @@ static bool begin_drop(hs_console_server *server, const struct mg_connection *c,
     (void)pthread_mutex_lock(&server->lock);
     take_place(server);
     const bool ok = !server->dropper && bytes <= HS_CONSOLE_DROP_BYTES - server->dropped;
-    guest *one = guest_of(server, c);
-    if (ok && one) one->connection = NULL;
+    if (ok) hs_console_guest_leave(&server->guests, c);
     if (ok) server->dropper = c;
     if (ok) server->drop_due = hs_now() + DROP_PART_S;
     (void)pthread_mutex_unlock(&server->lock);
@@ -270,8 +218,7 @@ static int connect_page(const struct mg_connection *c, void *context) {
     if (!full) {
         server->pages++;
         server->ever++;
-        guest *one = guest_of(server, c); /* a page may be silent */
-        if (one) one->connection = NULL;
+        hs_console_guest_leave(&server->guests, c); /* a page may be silent */
     }
     (void)pthread_mutex_unlock(&server->lock);
     return full;
@@ -340,9 +287,9 @@ static bool start(hs_console_server *server, const hs_console_address *address, 
     const char *options[] = {"listening_ports",
                              where,
                              "num_threads",
-                             AS_TEXT(SERVED),
+                             AS_TEXT(HS_CONSOLE_SERVED),
                              "connection_queue",
-                             AS_TEXT(SERVED),
+                             AS_TEXT(HS_CONSOLE_SERVED),
                              "listen_backlog", /* many at once need not knock twice */
                              "1024",
                              "max_request_size",
