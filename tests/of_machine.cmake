@@ -19,7 +19,7 @@ endif()
 find_program(SV_PYTHON NAMES python3 DOC "The interpreter of tests in Python")
 set(console_tests author browser life server)
 if(NOT SV_SANITIZE) # what these drive is driven by the others, too, and they take minutes there
-  list(APPEND console_tests brush given hand proxy sonographer)
+  list(APPEND console_tests brush given hand proxy reader sonographer)
 endif()
 set(SV_TEST_PART host_sim)
 foreach(name ${console_tests})

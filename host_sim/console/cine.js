@@ -10,7 +10,7 @@ const VIDEO_BITS = 8e6; /* a second */
 const CODED_MS = 500; /* that a coder gets for a frame at most; one of MP4 tells nothing before the end */
 
 /* What a cine can be: the suffix of its name, what it is called, and how the browser calls a video. */
-const CINE_KINDS = [["png", "animated PNG", ""], ["mp4", "MP4", "video/mp4"], ["webm", "WebM", "video/webm"]];
+const CINE_KINDS = [["png", "animated PNG", ""], ["mp4", "MP4", "video/mp4"], ["webm", "WebM", "video/webm"], ["dcm", "DICOM", ""]];
 
 /* `take`: who waits for the console's next PNG; null: it is one to be saved. So nothing else is asked for meanwhile, and a cine
  * that is cancelled waits for the last one. */
@@ -29,8 +29,10 @@ async function animated(blobs) {
 }
 
 function offerCines() {
-  const there = CINE_KINDS.filter(([, , type]) => !type || window.MediaRecorder?.isTypeSupported(type));
-  at("cine-as").replaceChildren(...there.map(([suffix, text]) => make("option", { value: suffix, text })));
+  const there = CINE_KINDS.filter(([suffix, , type]) => (type ? window.MediaRecorder?.isTypeSupported(type) : suffix !== "dcm" || link.hello.drop.reader));
+  const select = at("cine-as"), before = select.value;
+  select.replaceChildren(...there.map(([suffix, text]) => make("option", { value: suffix, text })));
+  if (there.some(([suffix]) => suffix === before)) select.value = before;
   at("cine-as").hidden = there.length < 2;
 }
 
@@ -65,9 +67,10 @@ async function filmed(blobs, type) {
 
 async function saveCine(pictures, view) {
   const suffix = at("cine-as").value, [, name, type] = CINE_KINDS.find(([one]) => one === suffix);
-  const blob = type ? await filmed(pictures, type).catch(() => null) : await animated(pictures);
+  const made = type ? await filmed(pictures, type).catch(() => null) : await animated(pictures);
+  const blob = suffix === "dcm" ? await dicomOf(made, asked) : made;
   if (blob?.size) save(blob, view + "_cine", suffix);
-  else notice("This browser records no " + name + ". An animated PNG needs no recorder.", false);
+  else if (type) notice("This browser records no " + name + ". An animated PNG needs no recorder.", false);
 }
 
 /* The picture of what is set now; null: there is none. */
@@ -107,7 +110,7 @@ function stopCine() {
 function runCine(on) {
   cine.on = on;
   at("cine").textContent = on ? "Cancel" : "Save a cine";
-  at("snapshot").disabled = at("write").disabled = on;
+  at("snapshot").disabled = at("snapshot-dicom").disabled = at("write").disabled = on;
 }
 
 async function toggleCine() {

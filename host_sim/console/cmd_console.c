@@ -49,6 +49,8 @@ static const hs_option options[] = {
           "wide,\n"
           "no finer than the source and no coarser than three of its voxels]"),
     HS_SOURCE_ROWS(AT(shared.read)),
+    HS_IN(COUNT, "reader", "N", AT(shared.files.reader), 3, 65535,
+          "socket of who reads other formats and writes DICOM: \"smartvis console\" has one [nobody]"),
     HS_FLAG("stay", AT(stay), "goes on when the last page is closed"),
     HS_GUARD_ROWS(AT(shared.offers.guard)),
     HS_OPTIONS_END,
@@ -69,7 +71,8 @@ static bool parse(int argc, char **argv, console_line *line, hs_error *err) {
     if (!hs_options_read(argc, argv, options, line, &next, &line->help, err)) return false;
     for (int i = next; i < argc && !line->help; i++)
         if (!hs_console_files_add(&line->shared.files, argv[i], err)) return false;
-    return true;
+    return line->help || !line->shared.files.reader ||
+           hs_console_check_reader(line->shared.files.reader, err);
 }
 
 static bool offer_plugins(console_line *line, hs_error *err) {

@@ -2,11 +2,13 @@
 /* Volumes that are dropped on a page: copies in a private folder, which goes with the console. */
 #include "console/console.h"
 
+#include "core/json_text.h"
 #include "core/text.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -131,14 +133,20 @@ static bool copy(FILE *file, const char *name, uint64_t bytes, hs_console_receiv
     return ok;
 }
 
-bool hs_console_drop_take(const hs_console_files *files, const char *given, uint64_t bytes,
-                          hs_console_receive receive, void *connection, char name[HS_CONSOLE_PATH],
-                          hs_error *err) {
-    char path[PATH_MAX];
-    const size_t length = strlen(given);
-    const char *const ending = length > 4 ? given + length - 4 : "";
-    if (length > NAME || (strcasecmp(ending, ".mha") != 0 && strcasecmp(ending, ".vol") != 0))
-        return hs_fail(err, HS_ERR_INPUT, "%.60s: only .mha and .vol can be dropped.", given);
+uint64_t hs_console_drop_room(const hs_console_files *files) {
+    uint64_t taken = 0;
+    struct stat what;
+    DIR *all = files->drops ? opendir(files->folder[files->count - 1]) : NULL;
+    for (const struct dirent *one; all && (one = readdir(all)) != NULL;)
+        if (fstatat(dirfd(all), one->d_name, &what, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(what.st_mode))
+            taken += (uint64_t)what.st_size;
+    if (all) (void)closedir(all);
+    return taken < HS_CONSOLE_DROP_BYTES ? HS_CONSOLE_DROP_BYTES - taken : 0;
+}
+
+/* A new file of the folder, with all that comes. */
+static bool take(const hs_console_files *files, const char *given, uint64_t bytes, hs_console_receive receive,
+                 void *connection, char name[HS_CONSOLE_PATH], char path[PATH_MAX], hs_error *err) {
     if (!files->drops) return hs_fail(err, HS_ERR_OUTPUT, "%s: the console has no folder for it.", given);
     const int made = make_file(files->folder[files->count - 1], given, name, path);
     FILE *file = made >= 0 ? fdopen(made, "wb") : NULL;
@@ -147,5 +155,50 @@ bool hs_console_drop_take(const hs_console_files *files, const char *given, uint
     if (fclose(file) != 0 && ok)
         ok = hs_fail(err, HS_ERR_OUTPUT, "%s: no copy can be written: %s.", given, strerror(errno));
     if (!ok) (void)unlink(path);
+    return ok;
+}
+
+/* What the console itself reads. */
+static bool is_own(const char *name) {
+    const size_t length = strlen(name);
+    const char *const ending = length > 4 ? name + length - 4 : "";
+    return strcasecmp(ending, ".mha") == 0 || strcasecmp(ending, ".vol") == 0;
+}
+
+/* A copy, as a page is told of it. */
+static char *told_of(const char *name) {
+    json_t *root = json_pack("{s:[o], s:s}", "paths", hs_json_text(name), "told", "");
+    char *text = root ? json_dumps(root, JSON_COMPACT) : NULL;
+    json_decref(root);
+    return text;
+}
+
+bool hs_console_take_volume(const hs_console_files *files, const char *given, uint64_t bytes,
+                            hs_console_receive receive, void *connection, char **made, hs_error *err) {
+    char name[HS_CONSOLE_PATH], path[PATH_MAX], room[32];
+    if (given[0] == '\0' || strlen(given) > NAME)
+        return hs_fail(err, HS_ERR_INPUT, "%.60s: a file has a name, of %d bytes at most.", given, NAME);
+    if (!is_own(given) && !files->reader)
+        return hs_fail(err, HS_ERR_INPUT, "%.60s: only .mha and .vol can be dropped.", given);
+    if (!take(files, given, bytes, receive, connection, name, path, err)) return false;
+    if (is_own(given)) {
+        *made = told_of(name);
+        return *made || hs_fail(err, HS_ERR_MEMORY, "%s: no memory", given);
+    }
+    (void)snprintf(room, sizeof room, "%" PRIu64, hs_console_drop_room(files));
+    const bool ok = hs_console_ask(files->reader, "read", path, room, made, err);
+    if (!ok) (void)unlink(path);
+    return ok;
+}
+
+bool hs_console_take_picture(const hs_console_files *files, const char *given, uint64_t bytes,
+                             hs_console_receive receive, void *connection, char **made, hs_error *err) {
+    char name[HS_CONSOLE_PATH], path[PATH_MAX];
+    if (!files->reader)
+        return hs_fail(err, HS_ERR_INPUT,
+                       "DICOM: \"smartvis console\" makes it, as \"smartvis dicom\" does.");
+    if (!take(files, "picture.png", bytes, receive, connection, name, path, err)) return false;
+    const bool ok = hs_console_ask(files->reader, "dicom", path, given, made, err);
+    (void)unlink(path);
     return ok;
 }

@@ -96,8 +96,8 @@ char *hs_console_reply_hello(const hs_console_offers *offers, const hs_console_f
     put(root, "places", places);
     put(root, "plugins", plugins(offers));
     put(root, "drop",
-        json_pack("{s:i, s:I}", "folder", (int)files->count - 1, "most",
-                  (json_int_t)(files->drops ? HS_CONSOLE_DROP_BYTES : 0)));
+        json_pack("{s:i, s:I, s:b}", "folder", (int)files->count - 1, "most",
+                  (json_int_t)(files->drops ? HS_CONSOLE_DROP_BYTES : 0), "reader", files->reader != 0));
     put(root, "marks", json_pack("{s:i, s:f}", "most", HS_MARKS_MAX, "radius", HS_MARK_RADIUS));
     put(root, "render",
         json_pack("{s:s, s:[f, f], s:f, s:f, s:f, s:f, s:f, s:f}", "look", hs_look_key(HS_LOOK_LIT), "light",

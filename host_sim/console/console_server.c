@@ -17,6 +17,7 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <time.h>
+#include <unistd.h>
 
 #define TEXT_OF(number) #number
 #define AS_TEXT(number) TEXT_OF(number)
@@ -33,7 +34,6 @@ struct hs_console_server {
     pthread_mutex_t lock;          /* of what follows, and held until the server has started */
     uint32_t port;
     uint32_t pages, ever;
-    uint64_t dropped;                    /* bytes that pages have dropped */
     const struct mg_connection *dropper; /* whose file comes; NULL: none does */
     double drop_due;                     /* until then it has its place, also if another one comes */
     hs_console_guests guests;
@@ -72,11 +72,15 @@ static const char headers[] =
     "Cross-Origin-Opener-Policy: same-origin\r\n"
     "Connection: close\r\n";
 
+static void put_head(struct mg_connection *c, int status, const char *type, size_t bytes) {
+    (void)mg_printf(c, "HTTP/1.1 %d %s\r\nContent-Type: %s; charset=utf-8\r\nContent-Length: %zu\r\n%s\r\n",
+                    status, mg_get_response_code_text(c, status), type, bytes, headers);
+}
+
 static int answer(struct mg_connection *c, int status, const char *type, const void *body, size_t bytes) {
     const struct mg_request_info *request = mg_get_request_info(c); /* what could not be read has none */
     const bool head = request && request->request_method && strcmp(request->request_method, "HEAD") == 0;
-    (void)mg_printf(c, "HTTP/1.1 %d %s\r\nContent-Type: %s; charset=utf-8\r\nContent-Length: %zu\r\n%s\r\n",
-                    status, mg_get_response_code_text(c, status), type, bytes, headers);
+    put_head(c, status, type, bytes);
     if (!head) (void)mg_write(c, body, bytes);
     return status;
 }
@@ -144,7 +148,7 @@ static void take_place(hs_console_server *server) {
 static bool begin_drop(hs_console_server *server, const struct mg_connection *c, uint64_t bytes) {
     (void)pthread_mutex_lock(&server->lock);
     take_place(server);
-    const bool ok = !server->dropper && bytes <= HS_CONSOLE_DROP_BYTES - server->dropped;
+    const bool ok = !server->dropper && bytes <= hs_console_drop_room(&server->shared->files);
     if (ok) hs_console_guest_leave(&server->guests, c);
     if (ok) server->dropper = c;
     if (ok) server->drop_due = hs_now() + DROP_PART_S;
@@ -152,29 +156,66 @@ static bool begin_drop(hs_console_server *server, const struct mg_connection *c,
     return ok;
 }
 
-static void end_drop(hs_console_server *server, uint64_t bytes) {
+static void end_drop(hs_console_server *server) {
     (void)pthread_mutex_lock(&server->lock);
     server->dropper = NULL;
-    server->dropped += bytes;
     (void)pthread_mutex_unlock(&server->lock);
 }
 
-/* A volume that was dropped on a page. Answers with its path in the folder of such files. */
-static int take_drop(hs_console_server *server, struct mg_connection *c,
-                     const struct mg_request_info *request) {
-    char given[512], name[HS_CONSOLE_PATH];
+/* What a page hands over, with what its query calls `field`. 200: *made tells what became of it; else it has
+ * been answered. */
+static int take_file(hs_console_server *server, struct mg_connection *c, const char *field,
+                     hs_console_taker take, char **made) {
+    char given[512];
     hs_error err = {0};
+    const struct mg_request_info *request = mg_get_request_info(c);
     const uint64_t bytes = request->content_length > 0 ? (uint64_t)request->content_length : 0;
     const char *query = request->query_string ? request->query_string : "";
     if (!is_our_page(server, c)) return refuse(c, 403, "Only the console's own page may drop a file.");
-    if (mg_get_var(query, strlen(query), "name", given, sizeof given) < 1)
+    if (mg_get_var(query, strlen(query), field, given, sizeof given) < 0)
         return refuse(c, 400, "A file has a name.");
     if (bytes == 0) return refuse(c, 411, "The file is empty.");
     if (!begin_drop(server, c, bytes))
         return refuse(c, 413, "The console takes one file at a time, and 2 GiB of them until it ends.");
-    const bool ok = hs_console_drop_take(&server->shared->files, given, bytes, receive, c, name, &err);
-    end_drop(server, ok ? bytes : 0);
-    return ok ? answer(c, 200, "text/plain", name, strlen(name)) : refuse(c, 400, err.text);
+    const bool ok = take(&server->shared->files, given, bytes, receive, c, made, &err);
+    end_drop(server);
+    return ok ? 200 : refuse(c, 400, err.text);
+}
+
+/* A volume that was dropped on a page. Answers with its paths in the folder of such files. */
+static int take_drop(hs_console_server *server, struct mg_connection *c) {
+    char *made = NULL;
+    const int status = take_file(server, c, "name", hs_console_take_volume, &made);
+    if (status == 200) (void)answer(c, status, "application/json", made, strlen(made));
+    free(made);
+    return status;
+}
+
+static int send_file(struct mg_connection *c, const char *path) {
+    char part[16384];
+    FILE *file = fopen(path, "rb");
+    if (!file || fseeko(file, 0, SEEK_END) != 0) {
+        if (file) (void)fclose(file);
+        return refuse(c, 500, "The file has gone.");
+    }
+    put_head(c, 200, "application/dicom", (size_t)ftello(file));
+    rewind(file);
+    for (size_t came; (came = fread(part, 1, sizeof part, file)) > 0 && mg_write(c, part, came) > 0;)
+        continue;
+    (void)fclose(file);
+    return 200;
+}
+
+/* A picture of a page, which becomes DICOM. */
+static int make_dicom(hs_console_server *server, struct mg_connection *c) {
+    char *made = NULL;
+    int status = take_file(server, c, "of", hs_console_take_picture, &made);
+    if (status == 200) {
+        status = send_file(c, made);
+        (void)unlink(made);
+    }
+    free(made);
+    return status;
 }
 
 /* Every request, before anything else looks at it. 0: it goes on to the WebSocket. */
@@ -187,7 +228,9 @@ static int begin_request(struct mg_connection *c) {
     if (strstr(uri, "%00") || (request->query_string && strstr(request->query_string, "%00")))
         return refuse(c, 400, "An address has no zero bytes.\n");
     if (strcmp(request->request_method, "POST") == 0 && strcmp(uri, "/drop") == 0)
-        return take_drop(server, c, request);
+        return take_drop(server, c);
+    if (strcmp(request->request_method, "POST") == 0 && strcmp(uri, "/dicom") == 0)
+        return make_dicom(server, c);
     if (strcmp(request->request_method, "GET") != 0 && strcmp(request->request_method, "HEAD") != 0)
         return refuse(c, 405, "Only GET and HEAD.\n");
     if (strcmp(uri, "/live") == 0) return 0;

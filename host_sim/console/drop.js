@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* A file that is dropped on the page: the console gets a copy and opens it. */
+/* A file that is dropped on the page: the console gets a copy and opens it, if need be as MetaImage. */
 "use strict";
 
 async function takeFile(file) {
-  const { folder, most } = link.hello.drop;
-  if (!/\.(mha|vol)$/i.test(file.name))
-    return notice(file.name + ": only .mha and .vol can be dropped; \"host_sim console FOLDER\" opens an .mhd, \"smartvis console FILE\" NRRD, NIfTI and DICOM.", false);
+  const { folder, most, reader } = link.hello.drop;
+  if (!reader && !/\.(mha|vol)$/i.test(file.name))
+    return notice(file.name + ": only .mha and .vol can be dropped here. The page of \"smartvis console\" opens NRRD, NIfTI and DICOM, \"host_sim console FOLDER\" an .mhd.", false);
   if (most && file.size > most) return notice(file.name + ": only " + short(most / 2 ** 30) + " GiB can be dropped; \"host_sim console FOLDER\" opens it where it is.", false);
   notice("Copying " + file.name + " …", true);
   const query = new URLSearchParams({ t: token(), name: file.name });
   const answer = await fetch("drop?" + query, { method: "POST", body: file }).catch(() => null);
   if (!answer?.ok) return notice(answer ? await answer.text() : file.name + ": the console does not take it.", false);
-  const path = await answer.text();
-  link.hello.files.push({ folder, path });
+  const { paths, told } = await answer.json(), [path] = paths;
+  link.hello.files.push(...paths.map((one) => ({ folder, path: one })));
   fillSources(link.hello);
   showChosenSource();
   at("source").value = sourceKey({ folder, path });
   takeSource();
+  if (told) notice(told, false, true);
 }
 
 /* Whatever is dropped, the page stays. */

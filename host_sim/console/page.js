@@ -177,13 +177,15 @@ function offerPictures() {
 
 let asked = null; /* the state in which a picture was asked for: a hand may have gone on since */
 
-function askForPicture() {
-  asked = structuredClone(state);
+function askForPicture(suffix = "png") {
+  asked = { ...structuredClone(state), suffix };
   send({ type: "do", what: "snapshot", view: at("snapshot-view").value });
 }
 
 async function savePicture(view, picture) {
-  save(at("with-caption").checked ? await captioned(picture, wordsOf(view, asked), view, asked) : picture, view);
+  const { suffix } = asked, png = at("with-caption").checked ? await captioned(picture, wordsOf(view, asked), view, asked) : picture;
+  const file = suffix === "dcm" ? await dicomOf(png, asked) : png;
+  if (file) save(file, view, suffix);
 }
 
 function save(blob, what, suffix = "png") {
@@ -216,6 +218,8 @@ function takeHello(hello) {
   plugins = hello.plugins;
   brush.most = hello.marks.most;
   fillSources(hello);
+  offerDicom();
+  offerCines();
   const left = document.body.dataset.ready ? [] : readAddress(hello, location.hash.slice(1));
   if (!document.body.dataset.ready) setRadius(hello.marks.radius);
   document.body.dataset.ready = "yes";
@@ -320,7 +324,8 @@ function listen() {
   at("ours").addEventListener("click", compareWithOurs);
   at("wipe").addEventListener("input", () => { look.wipe = Number(at("wipe").value); placeWipe(); writeAddress(); });
   at("reset-view").addEventListener("click", resetCamera);
-  at("snapshot").addEventListener("click", askForPicture);
+  at("snapshot").addEventListener("click", () => askForPicture());
+  at("snapshot-dicom").addEventListener("click", () => askForPicture("dcm"));
   at("cine").addEventListener("click", toggleCine);
   at("write").addEventListener("click", () => send({ type: "do", what: "write" }));
   at("copy").addEventListener("click", () => copyFrom(at("line")));
@@ -331,6 +336,5 @@ function listen() {
 }
 
 listen();
-offerCines();
 buildBox();
 connect();

@@ -19,8 +19,9 @@ enum {
 typedef struct {
     char *folder[HS_CONSOLE_FOLDERS + 1];
     uint32_t count;
-    bool drops;  /* the last folder is that of hs_console_drop_open */
-    int drop_fd; /* of that folder, open and locked as long as it is in use */
+    bool drops;      /* the last folder is that of hs_console_drop_open */
+    int drop_fd;     /* of that folder, open and locked as long as it is in use */
+    uint32_t reader; /* a socket: hs_console_ask; 0: nobody is there */
 } hs_console_files;
 
 /* Adds a folder. HS_ERR_INPUT if there is none of that name, HS_ERR_USAGE beyond HS_CONSOLE_FOLDERS. */
@@ -55,9 +56,32 @@ void hs_console_drop_close(hs_console_files *files);
 /* Reads up to `bytes` bytes that a page sends; 0 or less: no more come. */
 typedef int (*hs_console_receive)(void *connection, void *out, size_t bytes);
 
-/* Copies `bytes` bytes into a new file of the folder and writes its path there to `name`: `given`, or what
- * may be a file's name. HS_ERR_INPUT: it is no .mha or .vol, or did not come whole. HS_ERR_OUTPUT,
- * HS_ERR_MEMORY. */
-bool hs_console_drop_take(const hs_console_files *files, const char *given, uint64_t bytes,
-                          hs_console_receive receive, void *connection, char name[HS_CONSOLE_PATH],
-                          hs_error *err);
+/* Bytes that copies may still have. */
+uint64_t hs_console_drop_room(const hs_console_files *files);
+
+/* Takes `bytes` bytes that a page hands over under a name, and tells what became of them, which the caller
+ * frees. HS_ERR_INPUT: they are none of that, or did not come whole. HS_ERR_OUTPUT, HS_ERR_MEMORY. */
+typedef bool (*hs_console_taker)(const hs_console_files *files, const char *given, uint64_t bytes,
+                                 hs_console_receive receive, void *connection, char **made, hs_error *err);
+
+/* A volume, for a new file of the folder. `given`: its name, or what may be a file's. *made: JSON, "paths" in
+ * the folder and what is to be "told". What is no .mha or .vol the reader makes MetaImage of. */
+bool hs_console_take_volume(const hs_console_files *files, const char *given, uint64_t bytes,
+                            hs_console_receive receive, void *connection, char **made, hs_error *err);
+
+/* A picture as PNG, of which the reader makes DICOM: *made is the path of a file, for the caller to remove.
+ * `given`: the copy that the picture was made of; "": of none. */
+bool hs_console_take_picture(const hs_console_files *files, const char *given, uint64_t bytes,
+                             hs_console_receive receive, void *connection, char **made, hs_error *err);
+
+/* ---------------------------------------------------------------------------------------------- reader -- */
+/* Who has started the console may know more formats, as the Python package does, and answers at a socket
+ * (SOCK_SEQPACKET): "read PATH BYTES", "dicom PATH COPY", parted by newlines, by "+ANSWER" or "-SENTENCE". */
+
+/* The answer, which the caller frees; one question at a time. HS_ERR_INPUT: the sentence, or who was asked
+ * has gone. HS_ERR_MEMORY. */
+bool hs_console_ask(uint32_t reader, const char *what, const char *path, const char *of, char **answer,
+                    hs_error *err);
+
+/* HS_ERR_USAGE: it is no such socket. */
+bool hs_console_check_reader(uint32_t reader, hs_error *err);

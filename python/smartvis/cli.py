@@ -276,7 +276,7 @@ def parser_of() -> argparse.ArgumentParser:
     doctor.set_defaults(run=command_doctor)
 
     live = commands.add_parser("console", help="open files in the live console, a web page; Ctrl-C ends it")
-    live.add_argument("file", nargs="+", help="NRRD, NIfTI, MetaImage, Kretz, DICOM (also a folder), sequences of them")
+    live.add_argument("file", nargs="*", help="NRRD, NIfTI, MetaImage, Kretz, DICOM (also a folder), sequences of them")
     live.add_argument("--port", type=int, default=0, help="[0: any]")
     live.add_argument("--stay", action="store_true", help="goes on when the last page is closed")
     live.set_defaults(run=command_console)

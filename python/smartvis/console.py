@@ -5,16 +5,16 @@ from __future__ import annotations
 
 import contextlib
 import http.client
+import json
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from urllib.parse import parse_qs, quote, urlencode, urlsplit
 
-from . import _host, _images, _metaimage
+from . import _host
+from ._answers import Answers, volumes
 from ._errors import HostError, OutputError
-from ._files import Source, stem, write_image
 from ._text import plain
 
 _SECONDS = 600  # that the console may take for a copy
@@ -41,14 +41,19 @@ class Page:
             said = answer.read().decode(errors="replace")
         if answer.status != http.client.OK:
             raise OutputError(said.strip() or f"{name}: the console does not take it")
-        return said
+        copy: str = json.loads(said)["paths"][0]
+        return copy
 
 
 @contextlib.contextmanager
-def running(more: Sequence[str]) -> Iterator[tuple[subprocess.Popen[str], Page]]:
-    """A console, which ends with the block."""
-    command = [_host.find(), "console", *more]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=_host.environment(command[0])) as process:
+def running(more: Sequence[str], answers: Answers) -> Iterator[tuple[subprocess.Popen[str], Page]]:
+    """A console, which ends with the block. `answers`: who answers its questions."""
+    program = _host.find()
+    own = _host.environment(program)
+    with answers.begin() as theirs:
+        command = [program, "console", *more, "--reader", str(theirs.fileno())]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=own, pass_fds=[theirs.fileno()])
+    with process:
         try:
             assert process.stdout is not None
             name, _, address = process.stdout.readline().strip().partition("  ")
@@ -59,31 +64,18 @@ def running(more: Sequence[str]) -> Iterator[tuple[subprocess.Popen[str], Page]]
             process.terminate()
 
 
-def volumes(paths: Sequence[str]) -> Iterator[tuple[Path, str, str]]:
-    """Every volume of the files as a MetaImage, which lasts until the next one is asked for, its name, and what is to
-    be told of its file."""
-    for path in map(Path, paths):
-        source = Source(path)
-        for number in range(source.count):
-            with tempfile.TemporaryDirectory(prefix="smartvis_") as folder:
-                end = f"_{number:03}" if source.count > 1 else ""
-                name = f"{stem(path)}{end}.mha"
-                image = source.read(number)
-                file, said = write_image(Path(folder) / "volume.mha", image), _images.said(image)
-                if said.side is not None:
-                    _metaimage.say_probe(file, said.side, said.apex)
-                yield file, name, said.told
-
-
 def open_files(paths: Sequence[str], more: Sequence[str]) -> int:
     """Opens files in a console and prints its address, which shows the first of them. Returns its exit code when it
     ends."""
-    with running(more) as (process, page):
+    answers = Answers()
+    with running(more, answers) as (process, page):
         copies = []
-        for file, name, told in volumes(paths):
-            copies.append(page.drop(file, name))
-            if told:
-                print(plain(f"{name}: {told}"), file=sys.stderr)
+        for path in map(Path, paths):
+            for file, name, told in volumes(path):
+                copies.append(page.drop(file, name))
+                answers.note(copies[-1], path)
+                if told:
+                    print(plain(told), file=sys.stderr)
         first = "#file=0:" + quote(copies[0], safe="") if copies else ""
         print(f"Console  {page.address}{first}")
         sys.stdout.flush()

@@ -1,20 +1,27 @@
 # SPDX-License-Identifier: MIT
 """``smartvis console``: formats that the machine does not read are the same volume in its console."""
 
+import contextlib
+import http.client
 import signal
 import subprocess
 import sys
 from urllib.parse import unquote
 
 import numpy as np
+import pydicom
+import pytest
 import SimpleITK as sitk
 from conftest import LONG, SOURCE, host, layers, write_dicom
 from makers import two_places
-from makers_dicom import far_probe
+from makers_dicom import enhanced, far_probe
+from PIL import Image  # type: ignore[import-not-found]
 
 from smartvis import clip
 from smartvis import scene as of_scene
-from smartvis.console import volumes
+from smartvis._answers import volumes
+from smartvis._errors import OutputError
+from smartvis.console import Page as Door
 
 sys.path.insert(0, str(SOURCE / "tests" / "host_sim" / "console"))
 from console_client import Address, Page  # type: ignore[import-not-found]
@@ -64,7 +71,7 @@ def test_what_a_file_says_of_probe_and_place_is_told(tmp_path):
     far_probe(tmp_path / "far.dcm", scan)
     two_places(tmp_path / "two.nii", scan)
     clipped = clip(str(tmp_path / "far.dcm")).beams
-    told = {name: (host("info", file)[1], what) for file, name, what in volumes([str(tmp_path / "far.dcm")])}
+    told = {name: (host("info", file)[1], what) for file, name, what in volumes(tmp_path / "far.dcm")}
     assert f"beams: {clipped}\n" in told["far.mha"][0] and told["far.mha"][1] == ""
     began = smartvis(tmp_path / "two.nii")
     try:
@@ -80,3 +87,79 @@ def test_what_is_no_volume_is_told(tmp_path):
     began = smartvis(tmp_path / "x.nii")
     said = began.communicate(timeout=LONG)
     assert began.returncode == 3 and "x.nii" in said[1] and said[0] == ""
+
+
+@contextlib.contextmanager
+def started(*files):
+    began = smartvis(*files)
+    try:
+        line = began.stdout.readline()
+        assert line.startswith("Console  http://127.0.0.1:"), line + began.stderr.read()
+        yield line.split()[1]
+    finally:
+        began.terminate()
+        began.communicate(timeout=LONG)
+
+
+def dicom_of(address, png, of):
+    """What the console makes of a picture: the file's header and pixels, or a sentence."""
+    link = http.client.HTTPConnection(address.place, timeout=LONG)
+    headers = {"Origin": f"http://{address.place}"}
+    link.request("POST", f"/dicom?t={address.token}&of={of}", body=png.read_bytes(), headers=headers)
+    answer = link.getresponse()
+    said = answer.read()
+    link.close()
+    if answer.status != http.client.OK:
+        return said.decode()
+    png.with_suffix(".dcm").write_bytes(said)
+    return pydicom.dcmread(png.with_suffix(".dcm"))
+
+
+def cases(folder, scan):
+    """A file of each kind that is dropped, and the copies that the page is told of."""
+    image = sitk.GetImageFromArray(scan)
+    for name in ("a.nii.gz", "a.nrrd"):
+        sitk.WriteImage(image, str(folder / name))
+    sitk.WriteImage(sitk.JoinSeries([image] * 2), str(folder / "beat.nii.gz"))
+    enhanced(folder / "scan.dcm", scan)
+    said = pydicom.dcmread(folder / "scan.dcm")
+    said.PatientID, said.StudyInstanceUID = "17", "1.2.3"
+    said.save_as(folder / "scan.dcm")
+    two_places(folder / "two.nii", scan)
+    one_by_one = {"a.nii.gz": "a.mha", "a.nrrd": "2_a.mha", "scan.dcm": "scan.mha", "two.nii": "two.mha"}
+    return one_by_one | {"beat.nii.gz": "beat_000.mha"}
+
+
+def test_what_is_dropped_on_the_page(tmp_path):
+    """Formats that the machine does not read are opened, too; DICOM of a picture says whose the scan is."""
+    made = cases(tmp_path, of_scene("D01", size=96).full[::2])
+    (tmp_path / "bad.nii").write_text("no volume")
+    with started() as address:
+        door, page = Door(address), Page(Address(address), timeout=LONG)
+        assert page.must("hello")["drop"]["reader"] is True
+        for name, copy in made.items():
+            assert door.drop(tmp_path / name, name) == copy
+            frame = page.show(source={"folder": 0, "path": copy, "from": "probe"}, views=["full"])
+            assert frame["type"] == "frame" and frame["source"]["voxels"] == [96, 96, 48], frame
+        with pytest.raises(OutputError) as refused:
+            door.drop(tmp_path / "bad.nii", "bad.nii")
+        assert str(refused.value).startswith("bad.nii: ")
+        pixels = np.random.default_rng(1).integers(0, 256, (20, 30, 3), np.uint8)
+        Image.fromarray(pixels).save(tmp_path / "seen.png")
+        for copy, patient in (("scan.mha", "17"), ("a.mha", ""), ("", ""), ("none.mha", "")):
+            data = dicom_of(Address(address), tmp_path / "seen.png", copy)
+            assert data.PatientID == patient and np.array_equal(data.pixel_array, pixels)
+        (tmp_path / "seen.png").write_bytes(b"no picture")
+        assert "is no PNG that can be read" in dicom_of(Address(address), tmp_path / "seen.png", "")
+        page.close()
+
+
+def test_a_picture_of_a_file_of_the_command_line_says_whose_it_is(tmp_path):
+    files = write_dicom(tmp_path / "study", sitk.GetImageFromArray(layers((24, 32, 32))))
+    for file in files:
+        scan = pydicom.dcmread(file)
+        scan.PatientID, scan.StudyInstanceUID = "18", "1.2.3"
+        scan.save_as(file)
+    Image.fromarray(np.zeros((8, 8, 3), np.uint8)).save(tmp_path / "seen.png")
+    with started(tmp_path / "study") as address:
+        assert dicom_of(Address(address), tmp_path / "seen.png", "study.mha").PatientID == "18"
