@@ -185,7 +185,8 @@ function measure(kind) {
   at("measure-bar").hidden = kind === "";
   at("words").parentElement.hidden = kind !== "text";
   if (kind) at("measure-of").value = kind;
-  document.body.toggleAttribute("data-writes", kind === "text");
+  if (kind) document.body.dataset.measures = kind;
+  else delete document.body.dataset.measures;
   if (kind && kind !== "text" && !showsSlices()) setLayout("quad");
   drawMeasured();
 }

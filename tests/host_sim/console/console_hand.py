@@ -2,6 +2,7 @@
 """What a hand does on the console's page, at four sizes, by mouse and touch, while every message comes and goes: nothing moves under
 it, and what it paints, drags and measures lies where it was."""
 
+import itertools
 import math
 import sys
 
@@ -36,8 +37,8 @@ SAID = {
     "a long name": "showFigures({ ...lastFigures, of: { ...lastFigures.of, source: { folder: 0, path: arguments[0], from: 'probe' } } })",
     "several volumes": "showFigures({ ...lastFigures, source: { ...lastFigures.source, volumes: 9 } })",
     "how the patient lies": "showFigures({ ...lastFigures, source: { ...lastFigures.source, patient: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], probe: [0, 0, -1], truth_cut: true } })",
-    "a file without a truth": "state.source = { folder: 0, path: 'x.mha', from: 'probe' }; showChosenSource()",
     "what was written": "showWritten({ of: lastFigures.of, folder: arguments[0], names: [] })",
+    "a file without a truth": "state.source = { folder: 0, path: 'x.mha', from: 'probe' }; showChosenSource()",
     "a brush": "chooseBrush('remove')",
     "another brush": "chooseBrush('keep')",
     "no brush": "chooseBrush('keep')",
@@ -45,6 +46,10 @@ SAID = {
     "no measuring": "measure('')",
     "the first frame again": "state.source = structuredClone(window.first.of.source); showChosenSource(); showFigures(window.first)",
 }
+
+
+# Those of them that come by themselves while a hand is on a picture, round and round.
+COMING = itertools.cycle(list(SAID.values())[:list(SAID).index("a file without a truth")])
 
 
 def size(b, wide, high):
@@ -81,6 +86,11 @@ def the_result_is_large(b, at, what):
     b.run("scrollTo(0, 0)")
 
 
+# What a hand may bring about, one after the other, and what is then looked at for size: whatever can be on the page at some time.
+STATES = ("setLayout('all')", "setLayout('dual')", "compare('side')", "compare('wipe')", "compare('off'); setLayout('quad')", "measure('text')", "toggleBox()",
+          "measure('distance'); setPoint('across', 0.3, 0.4, true); setPoint('across', 0.7, 0.6, true)", "chooseBrush('keep')", "notice(arguments[0], false)",
+          "closeNotice(); measured.made = []; toggleBox(); leaveTool()")
+
 # What is pressed and is less than 24 pixels wide or high (WCAG 2.2, 2.5.8): a control, or the label that it stands in.
 SMALL = """
     document.querySelectorAll('details').forEach((fold) => { fold.open = true; });
@@ -90,6 +100,14 @@ SMALL = """
     }).map((e) => e.outerHTML.slice(0, 80));
     document.querySelectorAll('details').forEach((fold) => { fold.open = false; });
     return small;"""
+
+
+def all_can_be_pressed(b, wide, what):
+    for script in ("", *STATES):
+        b.run(script, LONG, then=script)
+        holds(b.run(SMALL) == [], f"{what}, {script}: too small to press: {b.run(SMALL)}")
+        holds(b.run("return document.documentElement.scrollWidth") <= wide, f"{what}, {script}: the page is wider")
+    holds(b.run("return [measured.on, brush.on, look.layout, state.box.length]") == ["", "", "quad", 0], "it is not as it was")
 
 
 def escape_leaves_a_tool(b):
@@ -132,17 +150,33 @@ class Hand:
 
     def along(self, *places):
         """Pressed at the first place, lifted at the last; at each of them another message."""
-        said = list(SAID.values())[:4]
         self._act("mousePressed", *places[0], 1)
-        for i, place in enumerate(places):
+        for place in places:
             self._act("mouseMoved", *place, 1)
-            self.b.run(said[i % 4], LONG)
+            self.b.run(next(COMING), LONG)
         self._act("mouseReleased", *places[-1], 0)
 
 
-def drags_and_measures(b, what):
+class Finger(Hand):
+    """The same by touch, where the browser would scroll the page."""
+
+    def _act(self, kind, x, y, buttons):
+        points = [{"x": self.middle[0] + x, "y": self.middle[1] + y}] if buttons else []
+        self.b.devtools("Input.dispatchTouchEvent", type={"mousePressed": "touchStart", "mouseMoved": "touchMove", "mouseReleased": "touchEnd"}[kind], touchPoints=points)
+
+
+def outlines(b, hand, step, what):
+    """What is drawn around has the area that a hand drew, wherever the drawing begins to go."""
+    b.run("measure('trace')")
+    hand.along((-4 * step, -3 * step), (-4 * step, 0), (-4 * step, 3 * step), (4 * step, 3 * step), (4 * step, -3 * step))
+    area, mm, scrolled = b.run("return [areaOf(measured.made[measured.made.length - 1]), lastFigures.source.window_mm, scrollY]")
+    expected = 8 * 6 * (mm / 20) ** 2
+    holds(abs(area / expected - 1) < 0.05, f"{what}: an outline of {area} mm², not {expected}, at {scrolled}")
+
+
+def drags_and_measures(b, kind, what):
     """The crosshair follows a hand, and two points of a slice are as far apart as they were clicked."""
-    hand = Hand(b, "across")
+    hand = kind(b, "across")
     step = hand.wide / 20
     hand.along((0, 0), (step, 0), (2 * step, step), (4 * step, 2 * step))
     settle(b, "a dragged crosshair")
@@ -154,13 +188,14 @@ def drags_and_measures(b, what):
     length, mm = b.run("return [between(...measured.made[measured.made.length - 1].points), lastFigures.source.window_mm]")
     expected = mm * (9 ** 2 + 8 ** 2) ** 0.5 / 20
     holds(abs(length - expected) < 2.5 * mm / hand.wide, f"{what}: measured {length} mm, not {expected}")
-    b.run("notice('', true); measure(''); state.cross = [0.5, 0.5, 0.5]; placeCross(); changed(false)", then="the crosshair in the middle")
+    outlines(b, hand, step, what)
+    b.run("notice('', true); measured.made = []; measure(''); state.cross = [0.5, 0.5, 0.5]; placeCross(); changed(false)", then="the crosshair in the middle")
 
 
-def paints(b, what):
+def paints(b, kind, what):
     """The marks of a stroke lie on the line that the hand painted, half a radius apart from end to end."""
     b.run("at('remove').click(); setRadius(6)")
-    hand, mm = Hand(b, "result"), b.run("return lastFigures.source.window_mm")
+    hand, mm = kind(b, "result"), b.run("return lastFigures.source.window_mm")
     step = hand.wide / 20
     hand.along((-4 * step, -3 * step), (-3 * step, -3 * step), (step, -3 * step), (2 * step, -3 * step), (4 * step, -3 * step))
     b.wait_for("!brush.asked && !brush.stroke && state.marks.length > 0", "a painted stroke")
@@ -181,10 +216,12 @@ def main():
             size(b, wide, high)
             the_result_is_large(b, i, what)
             nothing_moves(b, what)
-            paints(b, what)
-            drags_and_measures(b, what)
-            holds(b.run(SMALL) == [], f"{what}: too small to press: {b.run(SMALL)}")
-            holds(b.run("return document.documentElement.scrollWidth") <= wide, f"{what}: the page is wider")
+            for kind, touches in ((Hand, False), (Finger, True)):
+                b.devtools("Emulation.setTouchEmulationEnabled", enabled=touches, maxTouchPoints=5)
+                paints(b, kind, f"{what}, {kind.__name__}")
+                drags_and_measures(b, kind, f"{what}, {kind.__name__}")
+            all_can_be_pressed(b, wide, what)
+            b.devtools("Emulation.setTouchEmulationEnabled", enabled=False)
         escape_leaves_a_tool(b)
         in_a_users_own_colours(b)
     print("ok")
