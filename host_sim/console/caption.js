@@ -9,14 +9,26 @@ function cameraWords({ yaw, pitch, roll, zoom }) {
   return turned.concat(zoom === 1 ? [] : ["zoom " + zoom.toFixed(2)]).join(", ") || "straight from the probe";
 }
 
+/* The lanes that a view shows; of no view, a report's: all. */
+function lanesOf(view) {
+  const shown = { full: [], truth: [], other: [1] }[view] || (view ? [0] : [0, 1]);
+  return shown.filter((lane) => lane < lastFigures.lanes.length);
+}
+
+/* What a lane's surface position is, and its number where there are two. */
+function positionWords(lane, asked) {
+  const param = lanes[lane].params.find((p) => p.primary), values = asked.lanes[lane]?.values;
+  return param && values ? [param.label + (asked.lanes.length > 1 ? " " + "12"[lane] : "") + " " + short(values[param.key] ?? param.default)] : [];
+}
+
 /* What the frame is of, how it is seen (the state that it was asked for in), what came of it, what was measured. `moves`: it is
  * the first of several, in which that may differ. */
 function wordsOf(view, asked, moves) {
-  const param = lanes[0].params.find((p) => p.primary), shown = lastFigures;
+  const shown = lastFigures, seen = lanesOf(view);
   return [
     nameOfSource(shown.of.source) + (shown.source.volumes > 1 && moves !== ALL_VOLUMES ? ", volume " + (shown.index + 1) : "") + "; " + new Date().toLocaleString("sv"),
-    (view ? TITLES[view] + (view in AXES && asked.thick ? " of " + asked.thick + unitOf(shown.source.mm) : "") + (look.turned[view] & MIRRORED ? ", mirrored" : "") + ", " : "") + (moves || "") + cameraWords(asked.camera) + (param ? "; " + param.label + " " + short(asked.lanes[0].values[param.key] ?? param.default) : ""),
-    ...(moves ? [] : shown.lanes.map((lane) => lane.words)),
+    (view ? TITLES[view] + (view in AXES && asked.thick ? " of " + asked.thick + unitOf(shown.source.mm) : "") + (look.turned[view] & MIRRORED ? ", mirrored" : "") + ", " : "") + (moves || "") + [cameraWords(asked.camera), ...seen.flatMap((lane) => positionWords(lane, asked))].join("; "),
+    ...(moves ? [] : seen.map((lane) => (shown.lanes.length > 1 ? "12"[lane] + ": " : "") + shown.lanes[lane].words)),
     ...(shown.source.doubt ? [shown.source.doubt] : []),
     ...measurements(),
     "SmartVis " + link.hello.version + ", for research, not a medical device",
@@ -24,7 +36,7 @@ function wordsOf(view, asked, moves) {
 }
 
 function showReport() {
-  at("report").value = lastFigures ? wordsOf("", state).join("; ") : "";
+  at("report").value = lastFigures ? wordsOf("", state).map((words) => words.replace(/\.$/, "")).join("; ") : "";
 }
 
 function drawScale(g, width, bottom, line) {

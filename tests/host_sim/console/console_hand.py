@@ -110,6 +110,17 @@ def all_can_be_pressed(b, wide, what):
     holds(b.run("return [measured.on, brush.on, look.layout, state.box.length]") == ["", "", "quad", 0], "it is not as it was")
 
 
+def captions_tell_of_their_own_result(b):
+    """Of two results each picture names its own surface position and outcome, what shows none names none, and a report names both."""
+    b.run("compare('side'); setValue(1, lanes[1].params.find((p) => p.primary), 0.8, false)", then="two results")
+    said = {view: b.run("return wordsOf(arguments[0], state).join('; ')", view) for view in ("result", "other", "full", "")}
+    words = {view: [word in text for word in ("position 1 0.5", "position 2 0.8", "; 1: ", "; 2: ")] for view, text in said.items()}
+    wanted = {"result": [True, False, True, False], "other": [False, True, False, True], "full": [False] * 4, "": [True] * 4}
+    holds(words == wanted, f"captions of two results: {said}")
+    holds(".;" not in b.run("return at('report').value"), f"a report of {b.run('return at(arguments[0]).value', 'report')}")
+    b.run("compare('off')", then="one result")
+
+
 def escape_leaves_a_tool(b):
     """A message first, then the tool; what was begun with it is nothing."""
     for tool, pressed in (("e", "remove"), ("k", "keep"), ("l", "lamp"), ("m", "measure")):
@@ -222,6 +233,7 @@ def main():
                 drags_and_measures(b, kind, f"{what}, {kind.__name__}")
             all_can_be_pressed(b, wide, what)
             b.devtools("Emulation.setTouchEmulationEnabled", enabled=False)
+        captions_tell_of_their_own_result(b)
         escape_leaves_a_tool(b)
         in_a_users_own_colours(b)
     print("ok")
