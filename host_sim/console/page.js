@@ -150,6 +150,7 @@ function buildRenderer() {
   const looks = make("select", {}, make("option", { value: "lit", text: "lit" }), make("option", { value: "thesis", text: "thesis" }));
   looks.value = r.look;
   at("lamp").disabled = r.look !== "lit";
+  if (at("lamp").disabled && brush.on === "lamp") chooseBrush("lamp");
   looks.addEventListener("change", () => {
     r.look = looks.value;
     r.exposure = r.look === "thesis" ? 1.5 : 1;
@@ -265,11 +266,17 @@ function showSettings() {
 }
 
 function leaveTool() {
+  if (cine.on) return void toggleCine();
   if (brush.on) chooseBrush(brush.on);
   if (!measured.on) return;
   if (!measured.made.every(isWhole)) measured.made = measured.made.filter(isWhole);
   else measured.on = "";
   measure(measured.on);
+}
+
+/* Nothing is done to slices that are not seen. */
+function toSlices(change) {
+  if (showsSlices()) change(slicesToTurn());
 }
 
 function onKey(event) {
@@ -283,7 +290,7 @@ function onKey(event) {
   if (event.ctrlKey || event.metaKey) return;
   const next = { off: "side", side: "wipe", wipe: "off" };
   const keys = {
-    m: nextMeasure, Delete: forgetLast, r: () => quarterTurn(slicesToTurn()), i: () => flip(slicesToTurn()), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), b: toggleBox, l: () => at("lamp").click(), f: () => play(!state.play.on),
+    m: nextMeasure, Delete: forgetLast, r: () => toSlices(quarterTurn), i: () => toSlices(flip), e: () => chooseBrush("remove"), k: () => chooseBrush("keep"), b: toggleBox, l: () => at("lamp").click(), f: () => play(!state.play.on),
     "[": () => nudgePrimary(-1), "]": () => nudgePrimary(1), ",": () => stepBy(-1), ".": () => stepBy(1),
     c: () => compare(next[look.compare]), v: () => setLayout(LAYOUTS[(LAYOUTS.indexOf(look.layout) + 1) % LAYOUTS.length]),
   };

@@ -60,10 +60,13 @@ function takePreset(lane, name, values, id) {
 function presetBox(lane) {
   const box = make("p", { class: "presets", role: "group", "aria-label": "Start from" }, make("span", { text: "Start from" }));
   const name = make("input", { type: "text", maxlength: "30", placeholder: "own preset", "aria-label": "Name of an own preset" });
+  const gone = make("button", { type: "button", text: "Delete", title: "The preset of this name" });
+  const offerToDelete = () => { gone.disabled = !Object.hasOwn(ownPresets().own, name.value.trim()); };
   const add = (text, title, values, id) => {
     const button = make("button", { type: "button", text, title });
     button.addEventListener("click", () => {
       if (id) name.value = text;
+      offerToDelete();
       takePreset(lane, text, values, id);
     });
     if (!id || id === plugins[state.lanes[lane].plugin].id) lanes[lane].presets.push([button, presetValues(lane, values) || values]);
@@ -71,7 +74,7 @@ function presetBox(lane) {
   };
   for (const [text, title, values] of PRESETS) if (presetValues(lane, values)) add(text, title, values, "");
   for (const [text, [id, values]] of Object.entries(ownPresets().own)) add(text, "Saved with " + id, values, id);
-  const save = make("button", { type: "button", text: "Save", title: "These settings, under this name, in this browser" }), gone = make("button", { type: "button", text: "Delete", title: "The preset of this name" });
+  const save = make("button", { type: "button", text: "Save", title: "These settings, under this name, in this browser" });
   save.addEventListener("click", () => {
     if (name.value.trim()) keepOwn({ ...ownPresets().own, [name.value.trim()]: [plugins[state.lanes[lane].plugin].id, { ...state.lanes[lane].values }] });
     else name.focus();
@@ -80,6 +83,8 @@ function presetBox(lane) {
     const { [name.value.trim()]: _, ...rest } = ownPresets().own;
     keepOwn(rest);
   });
+  name.addEventListener("input", offerToDelete);
+  offerToDelete();
   box.append(name, save, gone);
   return box;
 }

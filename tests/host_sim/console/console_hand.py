@@ -110,6 +110,27 @@ def all_can_be_pressed(b, wide, what):
     holds(b.run("return [measured.on, brush.on, look.layout, state.box.length]") == ["", "", "quad", 0], "it is not as it was")
 
 
+def what_is_not_there_is_not_offered(b):
+    """What cannot be used looks so; a key does nothing to slices that are not seen; no lamp where nothing is lit; no preset to delete."""
+    look = "const of = (e) => Number(getComputedStyle(e).opacity); return [[...document.querySelectorAll(':disabled')].map(of), of(at('remove'))]"
+    disabled, other = b.run(look)
+    holds(len(disabled) > 1 and max(disabled) < 0.6 and other == 1, f"what cannot be used looks as {disabled}, the others as {other}")
+    b.run("setLayout('single'); document.activeElement.blur()", then="the result alone")
+    b.keys("body", "r")
+    b.keys("body", "i")
+    holds(b.run("return Object.values(look.turned)") == [0, 0, 0], "slices turn that are not seen")
+    b.run("setLayout('quad'); chooseBrush('lamp'); state.render.look = 'thesis'; buildRenderer(); changed(false)", then="the thesis' look")
+    holds(b.run("return [brush.on, at('lamp').disabled, at('lamp').ariaPressed]") == ["", True, "false"], "a lamp for what is not lit")
+    b.run("state.render.look = 'lit'; buildRenderer(); changed(false)", then="the lit look")
+    gone = "return document.querySelector('.presets button[title^=\"The preset\"]').disabled"
+    found = [b.run(gone)]
+    for text in ("constructor", "mine"):
+        b.run("keepOwn({ mine: [plugins[0].id, {}] }); const name = document.querySelector('.presets input'); name.value = arguments[0]; name.dispatchEvent(new Event('input'))", text)
+        found.append(b.run(gone))
+    b.run("keepOwn({})")
+    holds(found == [True, True, False], f"a preset that is not there can be deleted: {found}")
+
+
 def captions_tell_of_their_own_result(b):
     """Of two results each picture names its own surface position and outcome, what shows none names none, and a report names both."""
     b.run("compare('side'); setValue(1, lanes[1].params.find((p) => p.primary), 0.8, false)", then="two results")
@@ -132,6 +153,10 @@ def escape_leaves_a_tool(b):
             b.press(ESCAPE)
             holds(b.run("return at('notice').hidden"), "Escape does not close a message")
             holds(b.run("return at(arguments[0]).ariaPressed", pressed) == wanted, f"Escape: {pressed} is not {wanted}")
+    b.click("#cine")
+    b.press(ESCAPE)
+    b.wait_for("at('cine').textContent === 'Save a cine' && at('written').textContent === 'Cine: cancelled'", "the end of a cine that Escape cancels")
+    settle(b, "the page behind a cine")
 
 
 def in_a_users_own_colours(b):
@@ -234,6 +259,7 @@ def main():
             all_can_be_pressed(b, wide, what)
             b.devtools("Emulation.setTouchEmulationEnabled", enabled=False)
         captions_tell_of_their_own_result(b)
+        what_is_not_there_is_not_offered(b)
         escape_leaves_a_tool(b)
         in_a_users_own_colours(b)
     print("ok")
