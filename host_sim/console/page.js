@@ -329,7 +329,7 @@ function listen() {
   at("undo").addEventListener("click", () => goTo(undo.past, undo.future));
   at("redo").addEventListener("click", () => goTo(undo.future, undo.past));
   at("ours").addEventListener("click", compareWithOurs);
-  at("wipe").addEventListener("input", () => { look.wipe = Number(at("wipe").value); placeWipe(); writeAddress(); });
+  at("wipe").addEventListener("input", () => setWipe(Number(at("wipe").value)));
   at("reset-view").addEventListener("click", resetCamera);
   at("snapshot").addEventListener("click", () => askForPicture());
   at("snapshot-dicom").addEventListener("click", () => askForPicture("dcm"));

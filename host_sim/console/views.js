@@ -292,10 +292,12 @@ function placeScales({ window_mm, mm }) {
   }
 }
 
-/* Both results in one screen, with a seam. */
+/* Both results in one screen, with a seam that a hand drags. */
 function addWipe(canvas) {
   const screen = canvases.result.screen;
   const seam = make("div", { class: "seam" });
+  dragWith(seam, (event) => setWipe(100 * placeOn(screen, event)[0]));
+  for (const kind of ["pointerdown", "pointermove"]) seam.addEventListener(kind, (event) => event.stopPropagation()); /* or the camera turned */
   canvas.className = "other";
   screen.append(canvas, seam);
   canvases.other = { canvas, seam, caption: null, figure: canvases.result.figure };
@@ -307,6 +309,14 @@ function placeWipe() {
   if (look.compare !== "wipe" || !other || !other.seam) return;
   other.canvas.style.clipPath = "inset(0 0 0 " + look.wipe + "%)";
   other.seam.style.left = look.wipe + "%";
+}
+
+function setWipe(percent) {
+  look.wipe = Math.round(clamp(percent, 0, 100));
+  at("wipe").value = String(look.wipe);
+  placeWipe();
+  writeAddress();
+  noteSettings();
 }
 
 function viewOf(view) {
@@ -355,10 +365,16 @@ function paint(view, bitmap) {
   bitmap.close();
 }
 
+function captionText(lane, name) {
+  return "Result" + (name ? " " + name : "") + (!lane.clipped ? ": not clipped" : lane.doubtful ? ": doubtful" : "");
+}
+
+/* Below a result; below both, where they are in one screen. */
 function captionOf(view, lane, name) {
   const one = canvases[view];
+  if (view === "other" && look.compare === "wipe") canvases.result.caption.append(" | " + captionText(lane, name));
   if (!one || !one.caption) return;
-  one.caption.textContent = "Result" + (name ? " " + name : "") + (!lane.clipped ? ": not clipped" : lane.doubtful ? ": doubtful" : "");
+  one.caption.textContent = captionText(lane, name);
   one.legend.textContent = lane.failed ? lane.words : lane.clipped && lane.doubtful ? "Doubtful: the fetus may be cut" : "";
   one.figure.classList.toggle("failed", lane.failed);
 }

@@ -244,6 +244,19 @@ def paints(b, kind, what):
     b.run("notice('', true); clearMarks(); chooseBrush('remove')", then="no marks")
 
 
+def wipes(b, kind, what):
+    """The seam of two results in one screen follows a hand, and nothing turns; each is named below it."""
+    camera = b.run("setWipe(50); compare('wipe'); return state.camera", then="two results in one screen")
+    holds(b.run("return canvases.result.caption.textContent") == "Result 1 | Result 2", f"{what}: a caption of {b.run('return canvases.result.caption.textContent')}")
+    hand = kind(b, "result")
+    hand.along((4, 0), (hand.wide / 10, 10), (hand.wide / 4, 20))
+    wipe = b.run("return [look.wipe, at('wipe').value, state.camera, parseFloat(canvases.other.seam.style.left)]")
+    holds(abs(wipe[0] - 75) <= 1 and wipe[1] == str(wipe[0]) and wipe[2] == camera and wipe[3] == wipe[0], f"{what}: the seam is dragged to {wipe}")
+    hand.along((0, 0), (hand.wide / 10, 0))
+    holds(b.run("return look.wipe") == wipe[0] and b.run("return state.camera") != camera, f"{what}: beside the seam nothing turns")
+    b.run("notice('', true); compare('off'); resetCamera()", then="one result")
+
+
 def main():
     with a_page(BUILD, "#scene=M03,96,1", []) as (b, _, _):
         settle(b, "the first frame")
@@ -256,6 +269,7 @@ def main():
                 b.devtools("Emulation.setTouchEmulationEnabled", enabled=touches, maxTouchPoints=5)
                 paints(b, kind, f"{what}, {kind.__name__}")
                 drags_and_measures(b, kind, f"{what}, {kind.__name__}")
+                wipes(b, kind, f"{what}, {kind.__name__}")
             all_can_be_pressed(b, wide, what)
             b.devtools("Emulation.setTouchEmulationEnabled", enabled=False)
         captions_tell_of_their_own_result(b)
