@@ -66,13 +66,21 @@ function dragBox(view, place, pressed) {
   return true;
 }
 
+function wholeBox() {
+  return [0, 2].flatMap((times) => lastFigures.source.middle.map((mm) => Number((times * mm).toFixed(1))));
+}
+
 function toggleBox() {
   if (!lastFigures) return;
-  const ends = [0, 2].flatMap((times) => lastFigures.source.middle.map((mm) => Number((times * mm).toFixed(1))));
-  state.box = state.box.length ? [] : ends;
+  state.box = state.box.length ? [] : wholeBox();
   if (state.box.length && !showsSlices()) setLayout("quad");
   drawBox();
   changed(false);
+}
+
+/* One that leaves nothing out was only begun. */
+function leaveBox() {
+  if (lastFigures && String(state.box) === String(wholeBox())) toggleBox();
 }
 
 function buildBox() {

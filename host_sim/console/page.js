@@ -267,6 +267,7 @@ function showSettings() {
 
 function leaveTool() {
   if (cine.on) return void toggleCine();
+  leaveBox();
   if (brush.on) chooseBrush(brush.on);
   if (!measured.on) return;
   if (!measured.made.every(isWhole)) measured.made = measured.made.filter(isWhole);

@@ -153,6 +153,11 @@ def escape_leaves_a_tool(b):
             b.press(ESCAPE)
             holds(b.run("return at('notice').hidden"), "Escape does not close a message")
             holds(b.run("return at(arguments[0]).ariaPressed", pressed) == wanted, f"Escape: {pressed} is not {wanted}")
+    for narrow, stays in ((False, "false"), (True, "true")):
+        b.run("toggleBox(); if (arguments[0]) setSide(0, 20, false); document.activeElement.blur()", narrow, then="a box")
+        b.press(ESCAPE)
+        holds(b.run("return at('box').ariaPressed") == stays, f"Escape: a box that {'leaves something out' if narrow else 'was begun'} is not {stays}")
+    b.run("toggleBox()", then="no box")
     b.click("#cine")
     b.press(ESCAPE)
     b.wait_for("at('cine').textContent === 'Save a cine' && at('written').textContent === 'Cine: cancelled'", "the end of a cine that Escape cancels")
