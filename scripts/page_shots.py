@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""page_shots.py BUILD_FOLDER OUT [PAGE...]: the console's page and pages of files, as demo and report write them, at 390, 1280 and 1920
-pixels, light, dark and printed, as PNG files and side by side in OUT/index.html; and the picture of docs/console.md."""
+"""page_shots.py BUILD_FOLDER OUT [PAGE...]: the console's page and pages of files, as demo and report write them, at 390, 768, 1280,
+1440 and 1920 pixels, light, dark and printed, as PNG files and side by side in OUT/index.html; and the picture of docs/console.md."""
 
 import base64
 import os
@@ -13,7 +13,7 @@ from webdriver import Browser  # noqa: E402
 
 SHOWN = "#scene=D01,192,1&camera=14,-8,1.1&cross=0.5,0.45,0.5"
 SETTLED = "typeof state === 'undefined' || (document.body.dataset.serial === String(state.serial) && document.body.dataset.draft === 'false')"
-WIDTHS = ((390, 844), (1280, 900), (1920, 1080))
+WIDTHS = ((390, 844), (768, 1024), (1280, 900), (1440, 900), (1920, 1080))
 PAPER = (794, 1123)  # A4
 
 
