@@ -163,7 +163,7 @@ static bool follow_lanes(hs_console_stage *stage, const hs_console_state *state,
     }
     for (uint32_t i = 0; i < HS_CONSOLE_LANES; i++)
         if (!follow_lane(stage, state, i, rebuilt[i], err)) return false;
-    if (stage->truth || !hs_source_truth(&stage->source, 0)) return true;
+    if (stage->truth || !hs_source_has_truth(&stage->source)) return true;
     stage->truth = hs_truth_picture_create(stage->lane[0].loop, err);
     return stage->truth != NULL;
 }

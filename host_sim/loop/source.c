@@ -206,7 +206,7 @@ bool hs_source_open_scene(hs_source *source, const hs_source_scene *what, hs_err
     hs_progress_begin(&progress, "generating the scene", what->volumes);
     for (uint32_t i = 0; ok && i < what->volumes; i++) {
         const hs_scene_options options = {
-            .size = what->size, .seed = what->seed, .frame = i, .real = what->real};
+            .size = what->size, .seed = what->seed, .frame = i, .real = what->real, .lean = true};
         ok = hs_scene_frame(scene, &options, &source->scenes[i], err);
         source->volumes[i] = &source->scenes[i].full;
         source->truths[i] = &source->scenes[i].truth;
@@ -303,7 +303,12 @@ const hs_volume *hs_source_volume(const hs_source *source, uint32_t index) {
 
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index) {
     const uint32_t at = index % source->count;
+    if (source->scenes) hs_scene_fill_truth(&source->scenes[at]);
     return source->truths ? crop_of(source, source->truths[at], 1, at) : NULL;
+}
+
+bool hs_source_has_truth(const hs_source *source) {
+    return source->truths != NULL;
 }
 
 const hs_scene_data *hs_source_scene_data(const hs_source *source, uint32_t index) {

@@ -68,9 +68,10 @@ const hs_volume *hs_source_shape(const hs_source *source);
 const hs_volume *hs_source_bring(const hs_source *source, uint32_t index, hs_error *err);
 
 /* The volume of frame `index` without a reason if there is none, for sources that are no stream and have all
- * of them; and its ground truth or NULL. */
+ * of them; and its ground truth or NULL. A scene's is made when it is first asked for. */
 const hs_volume *hs_source_volume(const hs_source *source, uint32_t index);
 const hs_volume *hs_source_truth(const hs_source *source, uint32_t index);
+bool hs_source_has_truth(const hs_source *source);
 
 /* Where the volume of frame `index` was read from; NULL for scenes. Owned by the source. */
 const hs_source_origin *hs_source_origin_of(const hs_source *source, uint32_t index);

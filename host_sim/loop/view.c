@@ -254,7 +254,7 @@ static bool allocate_pictures(const hs_loop *loop, hs_view *view, hs_error *err)
     view->termination = malloc(pixels * sizeof(float));
     view->full_termination = malloc(pixels * sizeof(float));
     bool ok = view->result && view->full && view->termination && view->full_termination;
-    if (ok && hs_source_truth(loop->source, 0)) ok = (view->truth = malloc(pixels * 4)) != NULL;
+    if (ok && hs_source_has_truth(loop->source)) ok = (view->truth = malloc(pixels * 4)) != NULL;
     return ok ||
            hs_fail(err, HS_ERR_MEMORY, "pictures: no memory for %u x %u pixels", view->width, view->height);
 }

@@ -11,9 +11,10 @@ enum { HS_LABEL_NEITHER = 0, HS_LABEL_SAC = 1, HS_LABEL_FETUS = 2 };
 /* What a scene generates. Maps are nx * ny for the camera at 0, 0 (rays along +z), in source voxels:
  * depth 0 is the centre of the first slice. */
 typedef struct {
-    hs_volume full;  /* what the probe delivers */
-    hs_volume truth; /* the same with everything before a correct clipping surface removed (set to 1) */
-    uint8_t *label;  /* HS_LABEL_* */
+    hs_volume full;   /* what the probe delivers */
+    hs_volume truth;  /* the same with everything before a correct clipping surface removed (set to 1) */
+    bool truth_later; /* `truth` is of zeros until hs_scene_fill_truth */
+    uint8_t *label;   /* HS_LABEL_* */
     /* Nearest and farthest admissible clipping depth; NAN where the label is 0. Both are voxel centres, and
      * all voxels from near to far are fluid. A fetus that is touched by its occluder has no fluid before it:
      * near = far = the first voxel of the fetus. */
@@ -22,9 +23,13 @@ typedef struct {
      * ends deeper, always inside the interval; on label 0 carried on from the nearest pixel that has one.
      * Voxels z < clip are removed. */
     float *clip;
-    /* hs_tissue of each voxel (scene/scene_spec.h), nx * ny * nz: what the truth was read from. */
+    /* hs_tissue of each voxel (scene/scene_spec.h), nx * ny * nz: what the truth was read from. NULL with
+     * hs_scene_options.lean. */
     uint8_t *tissue;
 } hs_scene_data;
+
+/* Makes the voxels of `truth` if they are to come later. One thread at a time. */
+void hs_scene_fill_truth(hs_scene_data *data);
 
 /* Frees everything and zeroes the struct. Safe on a zeroed struct. */
 void hs_scene_free(hs_scene_data *data);
@@ -96,6 +101,8 @@ typedef struct {
     uint32_t threads;
     /* MetaImage volume that a scene of kind "real" puts its occluders before; NULL for all others. */
     const char *real;
+    /* Only what pictures need: `tissue` is freed, and `truth` of a synthetic scene may come later. */
+    bool lean;
 } hs_scene_options;
 
 /* One frame of a scene with its truth. On failure *out is zeroed. Same arguments, same bytes. */

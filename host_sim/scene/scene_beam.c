@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /*
  * Attenuation and time-gain compensation. On its way to depth z and back an echo loses
@@ -30,10 +31,14 @@ static void attenuate_row(void *context, uint32_t y) {
     enum { CHUNK = 64 };
     for (uint32_t first = 0; first < f->n[0]; first += CHUNK) {
         uint32_t width = f->n[0] - first < CHUNK ? f->n[0] - first : CHUNK;
-        float gain[CHUNK] = {0};
+        hs_beam_state *beam = f->beam + hs_field_index(f, first, y, 0);
+        float gain[CHUNK];
         uint8_t before[CHUNK];
-        for (uint32_t x = 0; x < width; x++) before[x] = f->tissue[hs_field_index(f, first + x, y, 0)];
-        for (uint32_t z = 0; z < f->n[2]; z++) {
+        for (uint32_t x = 0; x < width; x++) {
+            gain[x] = beam[x].gain;
+            before[x] = f->tissue[hs_field_index(f, first + x, y, f->low > 0 ? f->low - 1 : 0)];
+        }
+        for (uint32_t z = f->low; z < f->high; z++) {
             size_t row = hs_field_index(f, first, y, z);
             for (uint32_t x = 0; x < width; x++) {
                 uint8_t t = f->tissue[row + x];
@@ -47,6 +52,7 @@ static void attenuate_row(void *context, uint32_t y) {
                 before[x] = t;
             }
         }
+        for (uint32_t x = 0; x < width; x++) beam[x].gain = gain[x];
     }
 }
 
@@ -110,8 +116,10 @@ static void edge_row(void *context, uint32_t y) {
     enum { CHUNK = 64 };
     for (uint32_t first = 0; first < f->n[0]; first += CHUNK) {
         uint32_t width = f->n[0] - first < CHUNK ? f->n[0] - first : CHUNK;
-        float lost[CHUNK] = {0};
-        for (uint32_t z = 1; z < f->n[2]; z++) {
+        hs_beam_state *beam = f->beam + hs_field_index(f, first, y, 0);
+        float lost[CHUNK];
+        for (uint32_t x = 0; x < width; x++) lost[x] = beam[x].lost;
+        for (uint32_t z = f->low > 0 ? f->low : 1; z < f->high; z++) {
             size_t row = hs_field_index(f, first, y, z);
             for (uint32_t x = 0; x < width; x++) {
                 uint8_t here = f->tissue[row + x], before = f->tissue[row + x - hs_field_slice(f)];
@@ -127,6 +135,7 @@ static void edge_row(void *context, uint32_t y) {
                 lost[x] += e->loss[before][here][lrintf(COSINES * cosine)];
             }
         }
+        for (uint32_t x = 0; x < width; x++) beam[x].lost = lost[x];
     }
 }
 
@@ -144,15 +153,35 @@ void hs_scene_edge_shadow(hs_field *field, const hs_scene_spec *spec) {
  * wall ends at the fluid, and the last boundary of its layers before.
  */
 
-static void bands(hs_field *f, const hs_reverberation_spec *spec, size_t pixel, uint32_t far_z,
-                  float spacing) {
+/* Looks for the wall's last boundary and its end, and keeps the echo that it ends with. */
+static void follow_wall(const hs_field *f, const hs_reverberation_spec *spec, size_t pixel,
+                        hs_beam_state *b) {
     const size_t slice = hs_field_slice(f);
-    const int16_t first = f->coherent[slice * far_z + pixel];
+    for (uint32_t z = f->low; !b->wall_ended && z < f->high; z++) {
+        const size_t index = slice * z + pixel;
+        const uint32_t at = f->first + z;
+        if (hs_tissue_is_fluid(f->tissue[index])) {
+            const float own = (float)(b->wall - 1 - b->boundary);
+            const float spacing = spec->spacing_mm > 0.0f ? spec->spacing_mm / f->h[2] : own;
+            b->wall_ended = true;
+            if (at > 0 && spacing >= 2.0f) b->spacing = spacing;
+            return;
+        }
+        if (at > 0 && f->tissue[index] != f->tissue[index - slice]) b->boundary = (uint16_t)at;
+        b->wall = (uint16_t)(at + 1);
+        b->wall_echo = f->coherent[index];
+    }
+}
+
+static void bands(hs_field *f, const hs_reverberation_spec *spec, size_t pixel, const hs_beam_state *b) {
     for (uint32_t k = 1; k <= spec->count; k++) {
-        float z = (float)far_z + (float)k * spacing;
-        if (z > (float)(f->n[2] - 1)) return;
-        size_t index = slice * (size_t)lrintf(z) + pixel;
-        int16_t level = hs_level_clamp(first - (int)lrintf((float)k * spec->loss_db * (float)HS_LEVEL_ONE));
+        const float z = (float)(b->wall - 1) + (float)k * b->spacing;
+        if (z > (float)(f->end - 1)) return;
+        const uint32_t at = (uint32_t)lrintf(z) - f->first;
+        if (at < f->low || at >= f->high) continue;
+        const size_t index = hs_field_slice(f) * at + pixel;
+        int16_t level =
+            hs_level_clamp(b->wall_echo - (int)lrintf((float)k * spec->loss_db * (float)HS_LEVEL_ONE));
         if (level > f->coherent[index]) f->coherent[index] = level;
     }
 }
@@ -161,15 +190,11 @@ static void reverberation_row(void *context, uint32_t y) {
     const hs_pass *pass = context;
     hs_field *f = pass->field;
     const hs_reverberation_spec *spec = &pass->spec->reverberation;
-    const size_t slice = hs_field_slice(f);
     for (uint32_t x = 0; x < f->n[0]; x++) {
-        size_t pixel = (size_t)y * f->n[0] + x;
-        uint32_t boundary = 0, z = 1;
-        for (; z < f->n[2] && !hs_tissue_is_fluid(f->tissue[slice * z + pixel]); z++)
-            if (f->tissue[slice * z + pixel] != f->tissue[slice * (z - 1) + pixel]) boundary = z;
-        if (z == f->n[2] || hs_tissue_is_fluid(f->tissue[pixel])) continue;
-        float spacing = spec->spacing_mm > 0.0f ? spec->spacing_mm / f->h[2] : (float)(z - 1 - boundary);
-        if (spacing >= 2.0f) bands(f, spec, pixel, z - 1, spacing);
+        const size_t pixel = (size_t)y * f->n[0] + x;
+        hs_beam_state *b = f->beam + pixel;
+        follow_wall(f, spec, pixel, b);
+        if (b->spacing > 0.0f) bands(f, spec, pixel, b);
     }
 }
 
@@ -247,16 +272,31 @@ static float noise_at(noise_column *n, float z) {
     return n->value[0] + eased(z - (float)plane) * (n->value[1] - n->value[0]);
 }
 
-/* The mean power of the last WALL_MM before slice `end`, in dB. */
+/* Slices of WALL_MM. */
+static uint32_t wall_slices(const hs_field *f) {
+    return (uint32_t)ceilf(WALL_MM / f->h[2]);
+}
+
+/* The mean power of the last WALL_MM before slice `end` of the window, in dB. */
 static float wall_level(const hs_field *f, size_t pixel, uint32_t end) {
     const size_t slice = hs_field_slice(f);
-    const uint32_t wanted = (uint32_t)ceilf(WALL_MM / f->h[2]), count = wanted < end ? wanted : end;
+    const uint32_t wanted = wall_slices(f), at = f->first + end, count = wanted < at ? wanted : at;
     float power = 0.0f;
-    for (uint32_t z = end - count; z < end; z++) {
-        const float a = hs_level_amplitude(f->diffuse[slice * z + pixel]);
+    for (uint32_t back = count; back > 0; back--) {
+        const int64_t z = (int64_t)end - back, before = (int64_t)f->low - z;
+        const float a = hs_level_amplitude(before > 0 ? f->wall_end[(wanted - (size_t)before) * slice + pixel]
+                                                      : f->diffuse[slice * (size_t)z + pixel]);
         power += a * a;
     }
     return 10.0f * log10f(fmaxf(power / (float)count, 1e-20f));
+}
+
+/* Keeps the last WALL_MM for the slices that follow. */
+static void keep_wall_end(const hs_field *f) {
+    const size_t slice = hs_field_slice(f), bytes = slice * sizeof *f->wall_end;
+    const uint32_t wanted = wall_slices(f), made = f->high - f->low, fresh = made < wanted ? made : wanted;
+    memmove(f->wall_end, f->wall_end + slice * fresh, bytes * (wanted - fresh));
+    memcpy(f->wall_end + slice * (wanted - fresh), f->diffuse + slice * (f->high - fresh), bytes * fresh);
 }
 
 /* How deep the haze can be seen, mm: its brightest patches, with speckle 4 dB above the mean, come to
@@ -267,27 +307,38 @@ static float visible_until(const hs_scene_spec *spec, float first, float end_mm)
     return end_mm + fmaxf(first + haze->patch_db + SPECKLE_DB - fluid_db, 0.0f) / haze->decay_db_mm;
 }
 
+/* Looks for the first fluid. Haze begins there, unless it is the first slice. */
+static void find_haze(const hs_pass *pass, size_t pixel, hs_beam_state *b) {
+    const hs_field *f = pass->field;
+    for (uint32_t z = f->low; !b->hazes && z < f->high; z++) {
+        b->hazes = hs_tissue_is_fluid(f->tissue[hs_field_slice(f) * z + pixel]);
+        if (!b->hazes || f->first + z == 0) continue;
+        b->haze_from = (uint16_t)(f->first + z);
+        b->haze = wall_level(f, pixel, z) + pass->spec->haze.level_db;
+        f->haze_end[pixel] = visible_until(pass->spec, b->haze, (float)b->haze_from * f->h[2]);
+    }
+}
+
 static void haze_column(const hs_pass *pass, uint64_t key, uint32_t x, uint32_t y) {
     hs_field *f = pass->field;
     const hs_haze_spec *haze = &pass->spec->haze;
     const size_t slice = hs_field_slice(f), pixel = (size_t)y * f->n[0] + x;
-    uint32_t end = 0;
-    while (end < f->n[2] && !hs_tissue_is_fluid(f->tissue[slice * end + pixel])) end++;
-    f->haze_end[pixel] = 0.0f;
-    if (end == 0 || end == f->n[2]) return;
-    const float first = wall_level(f, pixel, end) + haze->level_db, size = 1.0f / haze->patch_mm;
+    hs_beam_state *b = f->beam + pixel;
+    find_haze(pass, pixel, b);
+    if (b->haze_from == 0) return;
+    const float size = 1.0f / haze->patch_mm;
     const float p[2] = {((float)x + 0.5f) * f->h[0] * size, ((float)y + 0.5f) * f->h[1] * size};
     noise_column noise = start_noise(key, p);
-    f->haze_end[pixel] = visible_until(pass->spec, first, (float)end * f->h[2]);
-    for (uint32_t z = end; z < f->n[2]; z++) {
-        const float behind = ((float)(z - end) + 0.5f) * f->h[2];
-        float level = first - haze->decay_db_mm * behind;
+    const uint32_t from = f->first + f->low;
+    for (uint32_t z = b->haze_from > from ? b->haze_from : from; z < f->first + f->high; z++) {
+        const float behind = ((float)(z - b->haze_from) + 0.5f) * f->h[2];
+        float level = b->haze - haze->decay_db_mm * behind;
         if (level + haze->patch_db < MIN_DB) return;
         if (haze->patch_db > 0.0f)
             level += haze->patch_db * noise_at(&noise, ((float)z + 0.5f) * f->h[2] * size);
-        const float own = hs_level_amplitude(f->diffuse[slice * z + pixel]),
-                    added = hs_level_amplitude(hs_level(level));
-        f->diffuse[slice * z + pixel] = hs_level_of_power(own * own + added * added);
+        int16_t *diffuse = f->diffuse + slice * (z - f->first) + pixel;
+        const float own = hs_level_amplitude(*diffuse), added = hs_level_amplitude(hs_level(level));
+        *diffuse = hs_level_of_power(own * own + added * added);
     }
 }
 
@@ -299,9 +350,13 @@ static void haze_row(void *context, uint32_t y) {
 
 void hs_scene_haze(hs_field *field, const hs_scene_spec *spec) {
     hs_pass pass = {field, spec};
-    field->haze_end = calloc(hs_field_slice(field), sizeof *field->haze_end);
-    atomic_store(&field->out_of_memory, !field->haze_end);
-    if (field->haze_end) hs_parallel(field->threads, field->n[1], haze_row, &pass);
+    const size_t pixels = hs_field_slice(field);
+    if (!field->haze_end) field->haze_end = calloc(pixels, sizeof *field->haze_end);
+    if (!field->wall_end) field->wall_end = calloc(pixels * wall_slices(field), sizeof *field->wall_end);
+    atomic_store(&field->out_of_memory, !field->haze_end || !field->wall_end);
+    if (!field->haze_end || !field->wall_end) return;
+    hs_parallel(field->threads, field->n[1], haze_row, &pass);
+    keep_wall_end(field);
 }
 
 /*
@@ -328,7 +383,7 @@ static void corner_row(void *context, uint32_t y) {
     hs_field *f = pass->field;
     for (uint32_t x = 0; x < f->n[0]; x++) {
         const int loss = loss_at(f, &pass->spec->corner, x, y);
-        for (uint32_t z = 0; loss > 0 && z < f->n[2]; z++) {
+        for (uint32_t z = f->low; loss > 0 && z < f->high; z++) {
             const size_t index = hs_field_index(f, x, y, z);
             f->diffuse[index] = hs_level_clamp(f->diffuse[index] - loss);
             f->coherent[index] = hs_level_clamp(f->coherent[index] - loss);

@@ -68,9 +68,10 @@ static void styled(const echo *e, size_t index) {
         f->coherent[index] = hs_level_clamp(f->coherent[index] + e->soft[style]);
 }
 
-static void echo_slice(void *context, uint32_t z) {
+static void echo_slice(void *context, uint32_t slice) {
     const echo *e = context;
     hs_field *f = e->pass.field;
+    const uint32_t z = f->low + slice;
     for (uint32_t y = 0; y < f->n[1]; y++)
         for (uint32_t x = 0; x < f->n[0]; x++) {
             size_t index = hs_field_index(f, x, y, z);
@@ -109,7 +110,7 @@ void hs_scene_echo(hs_field *field, const hs_scene_spec *spec) {
         e.cosine[i] =
             i ? hs_level(20.0f * spec->specular_power * log10f((float)i / 64.0f)) : (int16_t)HS_LEVEL_SILENT;
     make_styles(&e);
-    hs_parallel(field->threads, field->n[2], echo_slice, &e);
+    hs_parallel(field->threads, field->high - field->low, echo_slice, &e);
 }
 
 /*
@@ -132,7 +133,7 @@ static void band_row(far_band *b, uint32_t y, uint32_t z) {
     hs_field *f = b->pass.field;
     for (uint32_t x = 0; x < f->n[0]; x++) {
         const float p[3] = {((float)x + 0.5f) * f->h[0], ((float)y + 0.5f) * f->h[1],
-                            ((float)z + 0.5f) * f->h[2]};
+                            ((float)(f->first + z) + 0.5f) * f->h[2]};
         float along = 0.0f, length = 0.0f;
         for (int a = 0; a < 3; a++) {
             float d = p[a] - b->skull.centre[a];
@@ -150,11 +151,12 @@ static void band_row(far_band *b, uint32_t y, uint32_t z) {
     }
 }
 
-static void band_slice(void *context, uint32_t z) {
+static void band_slice(void *context, uint32_t slice) {
     far_band *b = context;
     const hs_field *f = b->pass.field;
     const hs_solid *s = &b->skull;
-    float zmm = ((float)z + 0.5f) * f->h[2];
+    const uint32_t z = f->low + slice;
+    float zmm = ((float)(f->first + z) + 0.5f) * f->h[2];
     if (zmm < s->low[2] - b->half || zmm > s->high[2] + b->half) return;
     for (uint32_t y = 0; y < f->n[1]; y++) band_row(b, y, z);
 }
@@ -171,7 +173,7 @@ void hs_scene_far_band(hs_field *field, const hs_scene_spec *spec) {
         const float *to = spec->far_band.direction;
         float length = sqrtf(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
         for (int a = 0; a < 3; a++) b.direction[a] = to[a] / length;
-        hs_parallel(field->threads, field->n[2], band_slice, &b);
+        hs_parallel(field->threads, field->high - field->low, band_slice, &b);
     }
 }
 
@@ -191,10 +193,10 @@ typedef struct {
 static void noise_slice(void *context, uint32_t z) {
     const noise *n = context;
     hs_field *f = n->field;
-    size_t slice = hs_field_slice(f), start = slice * z;
+    size_t slice = hs_field_slice(f), start = slice * (f->low + z), before = slice * f->first;
     for (size_t i = start; i < start + slice; i++) {
         float a = hs_level_amplitude(f->envelope[i]);
-        f->envelope[i] = hs_level_of_power(a * a + n->power[hs_random_bits(n->key, i) >> 52]);
+        f->envelope[i] = hs_level_of_power(a * a + n->power[hs_random_bits(n->key, before + i) >> 52]);
     }
 }
 
@@ -202,7 +204,7 @@ void hs_scene_noise(hs_field *field, const hs_scene_spec *spec) {
     noise n = {.field = field, .key = hs_random_key(field->noise_seed, 1)};
     float mean = powf(10.0f, spec->noise.level_db / 10.0f);
     for (int i = 0; i < QUANTILES; i++) n.power[i] = -mean * logf(((float)i + 0.5f) / QUANTILES);
-    hs_parallel(field->threads, field->n[2], noise_slice, &n);
+    hs_parallel(field->threads, field->high - field->low, noise_slice, &n);
 }
 
 /* Log compression: grey = 255 (1 + (L + gain) / range), rounded, 1 .. 255. */
@@ -214,7 +216,7 @@ typedef struct {
 
 static void compress_slice(void *context, uint32_t z) {
     const compress *c = context;
-    size_t slice = hs_field_slice(c->field), start = slice * z;
+    size_t slice = hs_field_slice(c->field), start = slice * (c->field->low + z);
     for (size_t i = start; i < start + slice; i++)
         c->field->grey[i] = c->grey[c->field->envelope[i] - HS_LEVEL_SILENT];
 }
@@ -227,13 +229,13 @@ void hs_scene_compress(hs_field *field, const hs_scene_spec *spec) {
         grey[i] = (uint8_t)lrintf(fminf(fmaxf(g, 1.0f), 255.0f));
     }
     compress c = {field, grey};
-    hs_parallel(field->threads, field->n[2], compress_slice, &c);
+    hs_parallel(field->threads, field->high - field->low, compress_slice, &c);
 }
 
 /* Without speckle the two kinds of echo are added by power. */
 static void add_slice(void *context, uint32_t z) {
     hs_field *f = context;
-    size_t slice = hs_field_slice(f), start = slice * z;
+    size_t slice = hs_field_slice(f), start = slice * (f->low + z);
     for (size_t i = start; i < start + slice; i++) {
         float a = hs_level_amplitude(f->diffuse[i]), b = hs_level_amplitude(f->coherent[i]);
         f->envelope[i] = hs_level_of_power(a * a + b * b);
@@ -241,5 +243,5 @@ static void add_slice(void *context, uint32_t z) {
 }
 
 void hs_scene_add_powers(hs_field *field) {
-    hs_parallel(field->threads, field->n[2], add_slice, field);
+    hs_parallel(field->threads, field->high - field->low, add_slice, field);
 }

@@ -51,54 +51,80 @@ static void make_level_tables(void) {
     pthread_once(&once, make_tables);
 }
 
-bool hs_field_init(hs_field *field, const uint32_t n[3], const float h[3], hs_error *err) {
-    size_t count = (size_t)n[0] * n[1] * n[2];
+bool hs_field_init(hs_field *field, const uint32_t n[3], uint32_t room, const float h[3], hs_error *err) {
+    const size_t pixels = (size_t)n[0] * n[1], count = pixels * room;
     memcpy(field->n, n, sizeof field->n);
     memcpy(field->h, h, sizeof field->h);
-    field->tissue = malloc(count);
+    field->end = n[2];
+    field->room = room;
+    field->beam = calloc(pixels, sizeof *field->beam);
+    field->tissues = malloc(pixels * n[2]);
     field->surface = malloc(count);
     field->bone = malloc(count);
     field->diffuse = malloc(count * sizeof *field->diffuse);
     field->coherent = malloc(count * sizeof *field->coherent);
     field->envelope = malloc(count * sizeof *field->envelope);
-    if (!field->tissue || !field->surface || !field->bone || !field->diffuse || !field->coherent ||
-        !field->envelope) {
+    if (!field->beam || !field->tissues || !field->surface || !field->bone || !field->diffuse ||
+        !field->coherent || !field->envelope) {
         hs_field_free(field);
-        return hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %zu voxels", count);
+        return hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %zu voxels", pixels * n[2]);
     }
+    hs_field_move(field, 0, room < n[2] ? room : n[2]);
     make_level_tables();
     return true;
 }
 
 bool hs_field_add_style(hs_field *field, hs_error *err) {
-    const size_t count = hs_field_slice(field) * field->n[2];
+    const size_t count = hs_field_slice(field) * field->room;
     field->style = malloc(count);
     field->share = malloc(count);
     return (field->style && field->share) ||
            hs_fail(err, HS_ERR_MEMORY, "scene: no memory for %zu voxels", count);
 }
 
-void hs_field_free_surfaces(hs_field *field) {
-    free(field->style);
-    free(field->share);
-    free(field->surface);
-    free(field->bone);
-    field->style = field->share = NULL;
-    field->surface = field->bone = NULL;
+static void set_window(hs_field *f, uint32_t first, uint32_t end) {
+    const size_t before = hs_field_slice(f) * first;
+    f->first = first;
+    f->n[2] = end - first;
+    f->tissue = f->tissues + before;
+    f->grey = f->greys ? f->greys + before : NULL;
+    hs_field_aim(f, first, end);
 }
 
-void hs_field_free_levels(hs_field *field) {
-    free(field->diffuse);
-    free(field->coherent);
-    free(field->envelope);
-    field->diffuse = field->coherent = field->envelope = NULL;
+void hs_field_aim(hs_field *field, uint32_t first, uint32_t end) {
+    field->low = first - field->first;
+    field->high = end - field->first;
+}
+
+void hs_field_move(hs_field *f, uint32_t first, uint32_t end) {
+    const size_t slice = hs_field_slice(f), by = slice * (first - f->first);
+    const struct {
+        void *plane;
+        size_t bytes;
+    } planes[] = {{f->surface, 1}, {f->bone, 1},    {f->style, 1},
+                  {f->share, 1},   {f->diffuse, 2}, {f->coherent, 2}};
+    for (size_t i = 0; by > 0 && i < sizeof planes / sizeof *planes; i++) {
+        uint8_t *plane = planes[i].plane;
+        if (plane) memmove(plane, plane + by * planes[i].bytes, (slice * f->n[2] - by) * planes[i].bytes);
+    }
+    set_window(f, first, end);
+}
+
+void hs_field_free_planes(hs_field *f) {
+    void *const planes[] = {f->style,   f->share,    f->surface,  f->bone,    f->beam,
+                            f->diffuse, f->coherent, f->envelope, f->wall_end};
+    for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) free(planes[i]);
+    f->style = f->share = NULL;
+    f->surface = f->bone = NULL;
+    f->beam = NULL;
+    f->diffuse = f->coherent = f->envelope = f->wall_end = NULL;
+    if (f->tissues) set_window(f, 0, f->end);
 }
 
 void hs_field_free(hs_field *field) {
-    hs_field_free_surfaces(field);
-    hs_field_free_levels(field);
+    hs_field_free_planes(field);
     free(field->haze_end);
-    free(field->tissue);
+    free(field->tissues);
     memset(field, 0, sizeof *field);
 }
 

@@ -20,8 +20,8 @@ struct hs_scene {
 
 enum { ALWAYS = 0 };
 
-/* The steps in their order: what does it, and where the spec says whether the scene lists it. The three
- * without a function need more than field and spec. */
+/* The steps in their order: what does it, and where the spec says whether the scene lists it. Those without
+ * a function need more than field and spec. */
 static const struct {
     const char *name;
     void (*run)(hs_field *field, const hs_scene_spec *spec);
@@ -37,7 +37,7 @@ static const struct {
     [HS_SCENE_STEP_HAZE] = {"haze", hs_scene_haze, offsetof(hs_scene_spec, haze.on)},
     [HS_SCENE_STEP_CORNER] = {"dark corner", hs_scene_dark_corner, offsetof(hs_scene_spec, corner.on)},
     [HS_SCENE_STEP_FAR_BAND] = {"far band", hs_scene_far_band, offsetof(hs_scene_spec, far_band.on)},
-    [HS_SCENE_STEP_SPECKLE] = {"speckle", hs_scene_speckle, offsetof(hs_scene_spec, speckle.on)},
+    [HS_SCENE_STEP_SPECKLE] = {"speckle", NULL, offsetof(hs_scene_spec, speckle.on)},
     [HS_SCENE_STEP_SIDE_LOBES] = {"side lobes", hs_scene_side_lobes, offsetof(hs_scene_spec, side_lobe.on)},
     [HS_SCENE_STEP_NOISE] = {"noise", hs_scene_noise, offsetof(hs_scene_spec, noise.on)},
     [HS_SCENE_STEP_COMPRESS] = {"compress", hs_scene_compress, ALWAYS},
@@ -83,28 +83,46 @@ typedef struct {
     hs_field field;
     hs_solid_list solids;
     const hs_volume *given; /* NULL but for a real scene */
+    uint32_t *front;        /* hs_scene_real_front of it */
+    bool lean;
+    hs_speckle *speckle; /* NULL if the scene has none */
     hs_scene_data *data;
     hs_error *err;
 } making;
 
 static bool raster(making *m) {
     if (!hs_scene_raster(&m->field, &m->spec, &m->solids, NULL, m->err)) return false;
-    if (m->given) hs_scene_real_place(&m->field, m->given);
+    if (m->given) hs_scene_real_place(&m->field, m->front);
     return true;
 }
 
 static bool truth(making *m) {
-    if (m->given) hs_scene_real_combine(&m->field, m->given);
+    if (m->given) hs_scene_real_combine(&m->field, m->given, m->front);
     if (!hs_scene_truth(&m->field, &m->spec, m->data, m->err)) return false;
-    if (m->given) memcpy(m->data->truth.voxels, m->given->voxels, hs_volume_count(m->given));
+    if (m->given) {
+        memcpy(m->data->truth.voxels, m->given->voxels, hs_volume_count(m->given));
+        m->data->truth_later = false;
+    }
+    if (!m->lean) hs_scene_fill_truth(m->data);
     return true;
+}
+
+/* Speckle, or the sum of both levels without. */
+static void envelope(making *m) {
+    if (m->speckle)
+        hs_speckle_finish(m->speckle);
+    else
+        hs_scene_add_powers(&m->field);
 }
 
 static bool run_step(making *m, int step) {
     if (step == HS_SCENE_STEP_RASTER) return raster(m);
     if (step == HS_SCENE_STEP_CAMERA) return hs_scene_camera(&m->field, &m->spec, &m->solids, m->err);
     if (step == HS_SCENE_STEP_TRUTH) return truth(m);
-    steps[step].run(&m->field, &m->spec);
+    if (step == HS_SCENE_STEP_SPECKLE)
+        envelope(m);
+    else
+        steps[step].run(&m->field, &m->spec);
     return !atomic_load(&m->field.out_of_memory) ||
            hs_fail(m->err, HS_ERR_MEMORY, "scene %s: no memory for %s", m->spec.name, steps[step].name);
 }
@@ -117,19 +135,51 @@ static bool wanted(const making *m, int step) {
                : *(const bool *)(const void *)((const char *)&m->spec + steps[step].on);
 }
 
-/* A field of all planes takes 11 bytes a voxel and more; without those that no step reads any more, 7 at
- * once. */
-static void free_before(making *m, int step) {
-    if (step == HS_SCENE_STEP_SPECKLE) hs_field_free_surfaces(&m->field);
-    if (step == HS_SCENE_STEP_FAN) hs_field_free_levels(&m->field);
+/* The wanted steps of these, one after the other. Without speckle the levels are added in its place. */
+static bool run_steps(making *m, int first, int end) {
+    for (int step = first; step < end; step++)
+        if ((step == HS_SCENE_STEP_SPECKLE || wanted(m, step)) && !run_step(m, step)) return false;
+    return true;
 }
 
-static bool run_steps(making *m) {
-    for (int step = 0; step < HS_SCENE_STEPS; step++) {
-        free_before(m, step);
-        bool run = wanted(m, step);
-        if (run && !run_step(m, step)) return false;
-        if (!run && step == HS_SCENE_STEP_SPECKLE) hs_scene_add_powers(&m->field);
+/* Slices that a pulse goes through at once. */
+static uint32_t window_step(const hs_field *f) {
+    return (f->threads + HS_SCENE_BRICK - 1) / HS_SCENE_BRICK * HS_SCENE_BRICK + HS_SCENE_BRICK;
+}
+
+static uint32_t least(uint32_t a, uint32_t b) {
+    return a < b ? a : b;
+}
+
+/* Slices that a window may hold at most: those that are not finished, those that are made now, and a brick
+ * ahead, because normals look at the next slice. */
+static uint32_t window_room(const hs_field *f, uint32_t reach) {
+    return least((reach > 0 ? reach : 1) + window_step(f) + HS_SCENE_BRICK, f->end);
+}
+
+/*
+ * From solids to grey values. A field of a whole scene would take 11 bytes a voxel; so it is made from front
+ * to back, window by window: tissues, then what the pulse meets on its way, then what the point spread makes
+ * of it, some slices behind.
+ */
+static bool make_greys(making *m) {
+    hs_field *f = &m->field;
+    const uint32_t step = window_step(f), reach = m->speckle ? hs_speckle_reach(m->speckle) : 0;
+    uint32_t drawn = 0, made = 0, done = 0;
+    while (done < f->end) {
+        const uint32_t next = least(made + step, f->end), ahead = least(next + HS_SCENE_BRICK, f->end);
+        const uint32_t ready = next == f->end ? next : next > reach ? next - reach : 0;
+        hs_field_move(f, least(done, made > 0 ? made - 1 : 0), ahead);
+        hs_field_aim(f, drawn, ahead);
+        if (!run_steps(m, HS_SCENE_STEP_RASTER, HS_SCENE_STEP_ECHO)) return false;
+        hs_field_aim(f, made, next);
+        if (!run_steps(m, HS_SCENE_STEP_ECHO, HS_SCENE_STEP_SPECKLE)) return false;
+        if (m->speckle) hs_speckle_draw(m->speckle);
+        hs_field_aim(f, done, ready);
+        if (!run_steps(m, HS_SCENE_STEP_SPECKLE, HS_SCENE_STEP_FAN)) return false;
+        drawn = ahead;
+        made = next;
+        done = ready;
     }
     return true;
 }
@@ -167,14 +217,36 @@ static bool has_style(const hs_scene_spec *spec) {
     return false;
 }
 
+/* The field, with what its steps need beside it. */
+static bool init_field(making *m, const uint32_t n[3], const float h[3]) {
+    hs_field *f = &m->field;
+    const hs_scene_spec *spec = &m->spec;
+    memcpy(f->n, n, sizeof f->n);
+    memcpy(f->h, h, sizeof f->h);
+    f->end = n[2];
+    f->greys = m->data->full.voxels;
+    if (spec->speckle.on && !(m->speckle = hs_speckle_begin(f, spec, window_step(f))))
+        return hs_fail(m->err, HS_ERR_MEMORY, "scene %s: no memory for speckle", spec->name);
+    const uint32_t reach = m->speckle ? hs_speckle_reach(m->speckle) : 0;
+    if (!hs_field_init(f, n, window_room(f, reach), h, m->err)) return false;
+    if (has_style(spec) && !hs_field_add_style(f, m->err)) return false;
+    if (!m->given) return true;
+    m->front = hs_memory(hs_field_slice(f), sizeof *m->front, spec->name, m->err);
+    if (m->front) hs_scene_real_front(m->given, f->threads, m->front);
+    return m->front != NULL;
+}
+
 static bool make(making *m, const uint32_t n[3], const float h[3]) {
-    if (!allocate(m, n, h) || !hs_field_init(&m->field, n, h, m->err)) return false;
-    if (has_style(&m->spec) && !hs_field_add_style(&m->field, m->err)) return false;
+    if (!allocate(m, n, h) || !init_field(m, n, h)) return false;
     if (!hs_scene_solids(&m->spec, m->field.seed, &m->solids, m->err)) return false;
-    m->field.grey = m->data->full.voxels;
-    if (!run_steps(m)) return false;
-    m->data->tissue = m->field.tissue; /* handed over */
-    m->field.tissue = NULL;
+    if (!make_greys(m)) return false;
+    hs_speckle_end(m->speckle);
+    m->speckle = NULL;
+    hs_field_free_planes(&m->field);
+    if (!run_steps(m, HS_SCENE_STEP_FAN, HS_SCENE_STEPS)) return false;
+    if (m->lean) return true;
+    m->data->tissue = m->field.tissues; /* handed over */
+    m->field.tissues = m->field.tissue = NULL;
     return true;
 }
 
@@ -209,6 +281,7 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
     hs_volume given = {0};
     m->spec = scene->spec;
     m->given = options->real ? &given : NULL;
+    m->lean = options->lean;
     m->data = out;
     m->err = err;
     hs_scene_move(&m->spec, options->frame);
@@ -224,7 +297,9 @@ bool hs_scene_frame(const hs_scene *scene, const hs_scene_options *options, hs_s
         ok = make(m, n, h);
     }
     if (!ok) hs_scene_free(out);
+    hs_speckle_end(m->speckle);
     hs_field_free(&m->field);
+    free(m->front);
     hs_solid_list_free(&m->solids);
     hs_volume_free(&given);
     free(m);

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BRICK = 8 };
+enum { BRICK = HS_SCENE_BRICK };
 
 typedef struct {
     hs_field *field;
@@ -182,7 +182,7 @@ static void brick_voxels(const raster *r, const brick_list *list, const uint32_t
             for (uint32_t x = start[0]; x < stop[0]; x++) {
                 size_t index = row + x - start[0];
                 float p[3] = {((float)x + 0.5f) * f->h[0], ((float)y + 0.5f) * f->h[1],
-                              ((float)z + 0.5f) * f->h[2]};
+                              ((float)(f->first + z) + 0.5f) * f->h[2]};
                 to_scene(r, p);
                 const size_t column = (size_t)y * f->n[0] + x;
                 if (!empty)
@@ -198,9 +198,10 @@ static void brick(const raster *r, const uint32_t start[3], const brick_list *ro
     uint32_t stop[3];
     float low[3], high[3];
     for (int a = 0; a < 3; a++) {
-        stop[a] = start[a] + BRICK < f->n[a] ? start[a] + BRICK : f->n[a];
-        low[a] = (float)start[a] * f->h[a];
-        high[a] = (float)stop[a] * f->h[a];
+        const uint32_t end = a == 2 ? f->high : f->n[a], before = a == 2 ? f->first : 0;
+        stop[a] = start[a] + BRICK < end ? start[a] + BRICK : end;
+        low[a] = (float)(before + start[a]) * f->h[a];
+        high[a] = (float)(before + stop[a]) * f->h[a];
     }
     box_in_scene(r, low, high);
     collect(r, row_list, low, high, 0, r->turned ? 2 : 0, list);
@@ -213,8 +214,8 @@ static void brick_row(void *context, uint32_t block) {
     const raster *r = context;
     const hs_field *f = r->field;
     brick_list row_list, list;
-    uint32_t start[3] = {0, block % r->bricks[1] * BRICK, block / r->bricks[1] * BRICK};
-    const float low[3] = {0.0f, (float)start[1] * f->h[1], (float)start[2] * f->h[2]};
+    uint32_t start[3] = {0, block % r->bricks[1] * BRICK, f->low + block / r->bricks[1] * BRICK};
+    const float low[3] = {0.0f, (float)start[1] * f->h[1], (float)(f->first + start[2]) * f->h[2]};
     const float high[3] = {0.0f, low[1] + BRICK * f->h[1], low[2] + BRICK * f->h[2]};
     if (!r->turned) collect(r, NULL, low, high, 1, 2, &row_list);
     for (uint32_t bx = 0; bx < r->bricks[0]; bx++) {
@@ -248,7 +249,8 @@ bool hs_scene_raster(hs_field *f, const hs_scene_spec *spec, hs_solid_list *soli
     r.bodies = hs_solid_list_bodies(solids);
     r.inv_h = 1.0f / fminf(f->h[0], fminf(f->h[1], f->h[2]));
     r.reach = 2.5f * fmaxf(f->h[0], fmaxf(f->h[1], f->h[2]));
-    for (int a = 0; a < 3; a++) r.bricks[a] = (f->n[a] + BRICK - 1) / BRICK;
+    for (int a = 0; a < 2; a++) r.bricks[a] = (f->n[a] + BRICK - 1) / BRICK;
+    r.bricks[2] = (f->high - f->low + BRICK - 1) / BRICK;
     r.sac = hs_shape_sac(&spec->sac);
     if (!make_layer_shift(&r, err)) return false;
     hs_parallel(f->threads, r.bricks[1] * r.bricks[2], brick_row, &r);

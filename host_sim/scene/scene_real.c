@@ -15,6 +15,7 @@
 typedef struct {
     hs_field *field;
     const hs_volume *given;
+    const uint32_t *front;
 } real;
 
 /* Makes a column scanned, as fluid, from the front to its first scanned voxel; one without any stays as it
@@ -62,14 +63,31 @@ static uint32_t first_tissue(const hs_volume *v, uint32_t x, uint32_t y) {
     return z;
 }
 
+typedef struct {
+    const hs_volume *given;
+    uint32_t *front;
+} search;
+
+static void front_row(void *context, uint32_t y) {
+    const search *s = context;
+    for (uint32_t x = 0; x < s->given->nx; x++)
+        s->front[(size_t)y * s->given->nx + x] = first_tissue(s->given, x, y);
+}
+
+void hs_scene_real_front(const hs_volume *given, uint32_t threads, uint32_t *front) {
+    search s = {given, front};
+    hs_parallel(threads, given->ny, front_row, &s);
+}
+
 /* Takes the occluders away from where the given volume has tissue, and from the gap before it. */
 static void place_row(void *context, uint32_t y) {
     const real *r = context;
     hs_field *f = r->field;
     const uint32_t gap = (uint32_t)ceilf(GAP_MM / f->h[2]);
     for (uint32_t x = 0; x < f->n[0]; x++) {
-        uint32_t first = first_tissue(r->given, x, y);
-        for (uint32_t z = first > gap ? first - gap : 0; z < f->n[2]; z++) {
+        const uint32_t first = r->front[hs_field_index(f, x, y, 0)], from = f->first + f->low;
+        const uint32_t behind = first > gap ? first - gap : 0;
+        for (uint32_t z = (behind > from ? behind : from) - f->first; z < f->high; z++) {
             size_t index = hs_field_index(f, x, y, z);
             f->tissue[index] = HS_TISSUE_FLUID;
             f->surface[index] = HS_DISTANCE_FAR;
@@ -77,8 +95,8 @@ static void place_row(void *context, uint32_t y) {
     }
 }
 
-void hs_scene_real_place(hs_field *field, const hs_volume *given) {
-    real r = {field, given};
+void hs_scene_real_place(hs_field *field, const uint32_t *front) {
+    real r = {field, NULL, front};
     hs_parallel(field->threads, field->n[1], place_row, &r);
 }
 
@@ -87,7 +105,7 @@ static void combine_row(void *context, uint32_t y) {
     const real *r = context;
     hs_field *f = r->field;
     for (uint32_t x = 0; x < f->n[0]; x++) {
-        uint32_t first = first_tissue(r->given, x, y);
+        const uint32_t first = r->front[hs_field_index(f, x, y, 0)];
         for (uint32_t z = 0; z < f->n[2]; z++) {
             size_t index = hs_field_index(f, x, y, z);
             uint8_t given = r->given->voxels[index];
@@ -97,7 +115,7 @@ static void combine_row(void *context, uint32_t y) {
     }
 }
 
-void hs_scene_real_combine(hs_field *field, const hs_volume *given) {
-    real r = {field, given};
+void hs_scene_real_combine(hs_field *field, const hs_volume *given, const uint32_t *front) {
+    real r = {field, given, front};
     hs_parallel(field->threads, field->n[1], combine_row, &r);
 }

@@ -36,18 +36,19 @@ typedef struct {
     float sum; /* of all weights */
 } kernel;
 
-typedef struct {
+struct hs_speckle {
     hs_pass pass;
     uint32_t width; /* row length in floats, a multiple of LANES */
+    size_t plane;   /* floats: height x width */
     float normal[QUANTILES];
     kernel axial;
-    uint32_t chunk; /* slices per block */
-} speckle;
+    uint32_t slices; /* of the ring */
+    float *ring;     /* slices that were drawn, and filtered across the beam: real part, imaginary part */
+};
 
-/* One thread's planes: real part, then imaginary part, each height x width. */
+/* One thread's planes. */
 typedef struct {
-    float *raw, *lateral, *ring;
-    size_t plane;
+    float *raw, *lateral; /* real part, then imaginary part; one of them */
 } planes;
 
 /* Gaussian weights of unit energy: filtered noise keeps its mean power. */
@@ -86,22 +87,28 @@ static void make_normal(float *table) {
     for (int i = 0; i < QUANTILES; i++) table[i] *= scale;
 }
 
-static kernel lateral_kernel(const speckle *s, uint32_t z, int axis) {
+/* Slice z of the scene in the ring. */
+static float *slot_of(const hs_speckle *s, uint32_t z) {
+    return s->ring + 2 * s->plane * (z % s->slices);
+}
+
+static kernel lateral_kernel(const hs_speckle *s, uint32_t z, int axis) {
     const hs_speckle_spec *spec = &s->pass.spec->speckle;
     const hs_slice_spec *slice = &s->pass.spec->slice;
     const bool thick = axis == 1 && slice->on;
     const float focus = thick ? slice->focus_mm : spec->focus_mm;
     const float rayleigh = thick ? slice->rayleigh_mm : spec->rayleigh_mm;
     const float narrowest_mm = thick ? slice->elevation_mm : spec->lateral_mm;
-    float off = (((float)z + 0.5f) * s->pass.field->h[2] - focus) / rayleigh;
+    float off = (((float)(s->pass.field->first + z) + 0.5f) * s->pass.field->h[2] - focus) / rayleigh;
     return gaussian(narrowest_mm * sqrtf(1.0f + off * off) / s->pass.field->h[axis]);
 }
 
-/* Scatterers and interfaces of slice z. An interface is wide across the beam and thin along it: it is
- * scaled so that its peak keeps its level behind the point spread. */
-static void draw(const speckle *s, uint32_t z, const kernel *kx, const kernel *ky, planes *p) {
+/* Scatterers and interfaces of slice z of the window. An interface is wide across the beam and thin along it:
+ * it is scaled so that its peak keeps its level behind the point spread. */
+static void draw(const hs_speckle *s, uint32_t z, const kernel *kx, const kernel *ky, const planes *p) {
     const hs_field *f = s->pass.field;
-    float *re = p->raw, *im = p->raw + p->plane;
+    const uint64_t before = (uint64_t)hs_field_slice(f) * f->first;
+    float *re = p->raw, *im = p->raw + s->plane;
     const float keep = 1.0f / (kx->sum * ky->sum * s->axial.weight[0]);
     const float half = 0.70710678f; /* half of the power in each part */
     for (uint32_t y = 0; y < f->n[1]; y++) {
@@ -111,7 +118,7 @@ static void draw(const speckle *s, uint32_t z, const kernel *kx, const kernel *k
             float interface = f->coherent[index + x] > HS_LEVEL_SILENT
                                   ? keep * hs_level_amplitude(f->coherent[index + x])
                                   : 0.0f;
-            uint64_t bits = hs_random_bits(f->noise_seed, index + x);
+            uint64_t bits = hs_random_bits(f->noise_seed, before + index + x);
             re[out + x] = amplitude * s->normal[bits >> 52] + interface;
             im[out + x] = amplitude * s->normal[(bits >> 40) & (QUANTILES - 1)];
         }
@@ -151,14 +158,14 @@ static void filter_across(const float *const *row, float *out, uint32_t width, c
     }
 }
 
-/* Slice z, drawn and filtered across the beam, into the ring. */
-static void make_slice(const speckle *s, uint32_t z, planes *p) {
+/* Slice z of the window, drawn and filtered across the beam, into the ring. */
+static void make_slice(const hs_speckle *s, uint32_t z, const planes *p) {
     const hs_field *f = s->pass.field;
     kernel kx = lateral_kernel(s, z, 0), ky = lateral_kernel(s, z, 1);
     draw(s, z, &kx, &ky, p);
-    float *slot = p->ring + 2 * p->plane * (z % (2u * (uint32_t)s->axial.radius + 1u));
+    float *slot = slot_of(s, f->first + z);
     for (int part = 0; part < 2; part++) {
-        float *raw = p->raw + (size_t)part * p->plane, *lateral = p->lateral;
+        float *raw = p->raw + (size_t)part * s->plane, *lateral = p->lateral;
         for (uint32_t y = 0; y < f->n[1]; y++)
             filter_x(raw + (size_t)y * s->width, lateral + (size_t)y * s->width, f->n[0], s->width, &kx);
         for (uint32_t y = 0; y < f->n[1]; y++) {
@@ -168,25 +175,49 @@ static void make_slice(const speckle *s, uint32_t z, planes *p) {
                 bool inside = at >= 0 && at < (int64_t)f->n[1];
                 row[ky.radius + i] = inside ? lateral + (size_t)at * s->width : NULL;
             }
-            filter_across(row, slot + (size_t)part * p->plane + (size_t)y * s->width, s->width, &ky);
+            filter_across(row, slot + (size_t)part * s->plane + (size_t)y * s->width, s->width, &ky);
         }
     }
 }
 
+/* The slices of a block, as even as they can be shared. */
+static void block_range(const hs_field *f, uint32_t block, uint32_t *first, uint32_t *end) {
+    const uint32_t count = f->high - f->low;
+    *first = f->low + (uint32_t)((uint64_t)count * block / f->threads);
+    *end = f->low + (uint32_t)((uint64_t)count * (block + 1) / f->threads);
+}
+
+static void draw_block(void *context, uint32_t block) {
+    const hs_speckle *s = context;
+    hs_field *f = s->pass.field;
+    uint32_t z, end;
+    block_range(f, block, &z, &end);
+    if (z == end) return;
+    float *memory = malloc(3 * s->plane * sizeof *memory);
+    if (!memory) {
+        atomic_store(&f->out_of_memory, true);
+        return;
+    }
+    const planes p = {memory, memory + 2 * s->plane};
+    for (; z < end; z++) make_slice(s, z, &p);
+    free(memory);
+}
+
 /* Filters along the beam and takes the magnitude. */
-static void finish_slice(const speckle *s, uint32_t z, planes *p) {
+static void finish_slice(void *context, uint32_t slice) {
+    const hs_speckle *s = context;
     hs_field *f = s->pass.field;
     const int r = s->axial.radius;
+    const uint32_t z = f->low + slice;
+    float part[2][HS_VOLUME_MAX_AXIS + LANES];
     for (uint32_t y = 0; y < f->n[1]; y++) {
-        float *part[2] = {p->raw, p->raw + s->width};
         for (int k = 0; k < 2; k++) {
             const float *row[2 * MAX_RADIUS + 1];
             for (int i = -r; i <= r; i++) {
-                int64_t at = (int64_t)z + i;
-                bool inside = at >= 0 && at < (int64_t)f->n[2];
-                const float *slot =
-                    p->ring + 2 * p->plane * ((size_t)(inside ? at : 0) % (2u * (size_t)r + 1u));
-                row[r + i] = inside ? slot + (size_t)k * p->plane + (size_t)y * s->width : NULL;
+                const int64_t at = (int64_t)f->first + z + i;
+                const bool inside = at >= 0 && at < (int64_t)f->end;
+                row[r + i] =
+                    inside ? slot_of(s, (uint32_t)at) + (size_t)k * s->plane + (size_t)y * s->width : NULL;
             }
             filter_across(row, part[k], s->width, &s->axial);
         }
@@ -196,39 +227,40 @@ static void finish_slice(const speckle *s, uint32_t z, planes *p) {
     }
 }
 
-static void speckle_block(void *context, uint32_t block) {
-    const speckle *s = context;
-    hs_field *f = s->pass.field;
-    planes p = {.plane = (size_t)s->width * f->n[1]};
-    const uint32_t r = (uint32_t)s->axial.radius, first = block * s->chunk;
-    const uint32_t end = first + s->chunk < f->n[2] ? first + s->chunk : f->n[2];
-    float *memory = malloc((3 + 2 * (2 * (size_t)r + 1)) * p.plane * sizeof *memory);
-    if (!memory) {
-        atomic_store(&f->out_of_memory, true);
-        return;
-    }
-    p.raw = memory;
-    p.lateral = memory + 2 * p.plane;
-    p.ring = memory + 3 * p.plane;
-    uint32_t made = first > r ? first - r : 0;
-    for (uint32_t z = first; z < end; z++) {
-        for (; made <= z + r && made < f->n[2]; made++) make_slice(s, made, &p);
-        finish_slice(s, z, &p);
-    }
-    free(memory);
-}
-
-void hs_scene_speckle(hs_field *field, const hs_scene_spec *spec) {
-    speckle *s = calloc(1, sizeof *s);
-    atomic_store(&field->out_of_memory, !s);
-    if (!s) return;
+hs_speckle *hs_speckle_begin(hs_field *field, const hs_scene_spec *spec, uint32_t slices) {
+    hs_speckle *s = calloc(1, sizeof *s);
+    if (!s) return NULL;
     s->pass = (hs_pass){field, spec};
     s->width = (field->n[0] + LANES - 1) / LANES * LANES;
+    s->plane = (size_t)s->width * field->n[1];
     s->axial = gaussian(spec->speckle.axial_mm / field->h[2]);
     make_normal(s->normal);
-    s->chunk = (field->n[2] + field->threads - 1) / field->threads;
-    hs_parallel(field->threads, (field->n[2] + s->chunk - 1) / s->chunk, speckle_block, s);
+    s->slices = slices + 2 * (uint32_t)s->axial.radius;
+    if (s->slices > field->end) s->slices = field->end;
+    s->ring = malloc(2 * s->plane * s->slices * sizeof *s->ring);
+    if (s->ring) return s;
     free(s);
+    return NULL;
+}
+
+void hs_speckle_end(hs_speckle *s) {
+    if (s) free(s->ring);
+    free(s);
+}
+
+uint32_t hs_speckle_reach(const hs_speckle *s) {
+    return (uint32_t)s->axial.radius;
+}
+
+void hs_speckle_draw(hs_speckle *s) {
+    hs_field *f = s->pass.field;
+    atomic_store(&f->out_of_memory, false);
+    hs_parallel(f->threads, f->threads, draw_block, s);
+}
+
+void hs_speckle_finish(hs_speckle *s) {
+    const hs_field *f = s->pass.field;
+    hs_parallel(f->threads, f->high - f->low, finish_slice, s);
 }
 
 /*
@@ -279,7 +311,7 @@ static void lobe_slice(void *context, uint32_t z) {
     const side_lobes *s = context;
     hs_field *f = s->pass.field;
     const uint32_t nx = f->n[0], ny = f->n[1];
-    const size_t slice = hs_field_slice(f), start = slice * z;
+    const size_t slice = hs_field_slice(f), start = slice * (f->low + z);
     float *a = calloc(2 * slice, sizeof *a);
     double *sum = calloc(nx, sizeof *sum);
     if (a && sum) {
@@ -305,5 +337,5 @@ void hs_scene_side_lobes(hs_field *field, const hs_scene_spec *spec) {
     for (int axis = 0; axis < 2; axis++)
         s.radius[axis] = (uint32_t)lrintf(0.25f * spec->side_lobe.width_mm / field->h[axis]);
     s.factor = powf(10.0f, spec->side_lobe.level_db / 20.0f);
-    hs_parallel(field->threads, field->n[2], lobe_slice, &s);
+    hs_parallel(field->threads, field->high - field->low, lobe_slice, &s);
 }

@@ -168,12 +168,17 @@ static void clip_row(void *context, uint32_t y) {
 }
 
 static void clip_slice(void *context, uint32_t z) {
-    const truth *t = context;
-    size_t slice = hs_field_slice(t->field), start = slice * z;
-    uint8_t *out = t->data->truth.voxels + start;
-    memcpy(out, t->data->full.voxels + start, slice);
+    const hs_scene_data *data = context;
+    const size_t slice = (size_t)data->full.nx * data->full.ny, start = slice * z;
+    uint8_t *out = data->truth.voxels + start;
+    memcpy(out, data->full.voxels + start, slice);
     for (size_t i = 0; i < slice; i++)
-        if ((float)z < t->data->clip[i] && out[i] > 1) out[i] = 1;
+        if ((float)z < data->clip[i] && out[i] > 1) out[i] = 1;
+}
+
+void hs_scene_fill_truth(hs_scene_data *data) {
+    if (data->truth_later) hs_parallel(hs_thread_count(0), data->full.nz, clip_slice, data);
+    data->truth_later = false;
 }
 
 bool hs_scene_truth(const hs_field *field, const hs_scene_spec *spec, hs_scene_data *data, hs_error *err) {
@@ -184,9 +189,8 @@ bool hs_scene_truth(const hs_field *field, const hs_scene_spec *spec, hs_scene_d
     }
     hs_parallel(field->threads, field->n[1], truth_row, &t);
     hs_parallel(field->threads, field->n[1], clip_row, &t);
-    if (!spread_out(data->clip, field->n[0], field->n[1], err)) return false;
-    hs_parallel(field->threads, field->n[2], clip_slice, &t);
-    return true;
+    data->truth_later = true;
+    return spread_out(data->clip, field->n[0], field->n[1], err);
 }
 
 #define ECHO 77 /* the middle of the renderer's usual window, 0.1588 .. 0.45 */

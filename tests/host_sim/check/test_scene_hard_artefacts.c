@@ -91,7 +91,7 @@ static void slices_are_thick_off_the_focus(void **state) {
         spec.slice = (hs_slice_spec){thick == 1, 1.0f, 16.25f, 8.0f};
         hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID);
         for (int i = 0; i < 3; i++) f->coherent[at(f, 32, 32, depth[i])] = hs_level(50.0f);
-        hs_scene_speckle(f, &spec);
+        make_speckle(f, &spec);
         assert_false(atomic_load(&f->out_of_memory));
         for (int i = 0; i < 3; i++) {
             const double expected = thick ? sqrt(1.0 + (double)(i * i)) : 0.5;

@@ -10,7 +10,7 @@ static hs_field *uniform_speckle(float axial, float lateral, float focus, float 
     spec.speckle = (hs_speckle_spec){true, axial, lateral, focus, rayleigh};
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_SOFT);
     for (size_t i = 0; i < (size_t)N * N * N; i++) f->diffuse[i] = hs_level(-30.0f);
-    hs_scene_speckle(f, &spec);
+    make_speckle(f, &spec);
     assert_false(atomic_load(&f->out_of_memory));
     return f;
 }
@@ -95,7 +95,7 @@ static void interfaces_keep_their_level(void **state) {
     spec.speckle = (hs_speckle_spec){true, 0.4f, 0.8f, 24.0f, 30.0f};
     hs_field *f = one_tissue_field(N, 0.5f, HS_TISSUE_FLUID);
     for (size_t i = 0; i < (size_t)N * N; i++) f->coherent[hs_field_slice(f) * 40 + i] = hs_level(-10.0f);
-    hs_scene_speckle(f, &spec);
+    make_speckle(f, &spec);
     assert_false(atomic_load(&f->out_of_memory));
     size_t middle = hs_field_index(f, N / 2, N / 2, 40);
     assert_near(level_db(f->envelope[middle]), -10.0, 0.1);

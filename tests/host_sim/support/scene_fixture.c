@@ -25,7 +25,7 @@ hs_field *one_tissue_field(uint32_t n, float h, hs_tissue tissue) {
     const float spacing[3] = {h, h, h};
     hs_field *field = unit_memory(sizeof *field);
     unit_keep(free_field, field);
-    must(hs_field_init(field, size, spacing, &err));
+    must(hs_field_init(field, size, n, spacing, &err));
     field->threads = 2;
     field->seed = 7;
     field->noise_seed = hs_random_key(7, 1000);
@@ -35,6 +35,14 @@ hs_field *one_tissue_field(uint32_t n, float h, hs_tissue tissue) {
     memset(field->bone, HS_DISTANCE_FAR, count);
     for (size_t i = 0; i < count; i++) field->diffuse[i] = field->coherent[i] = HS_LEVEL_SILENT;
     return field;
+}
+
+void make_speckle(hs_field *field, const hs_scene_spec *spec) {
+    hs_speckle *speckle = hs_speckle_begin(field, spec, field->end);
+    assert_non_null(speckle);
+    hs_speckle_draw(speckle);
+    hs_speckle_finish(speckle);
+    hs_speckle_end(speckle);
 }
 
 double level_db(int16_t level) {

@@ -26,6 +26,9 @@ hs_scene_spec empty_spec(void);
  * interfaces. It is kept for the test, as are the frames below (unit.h). */
 hs_field *one_tissue_field(uint32_t n, float h, hs_tissue tissue);
 
+/* Makes the envelope of all slices at once. */
+void make_speckle(hs_field *field, const hs_scene_spec *spec);
+
 /* Converts a level to dB. */
 double level_db(int16_t level);
 
