@@ -222,21 +222,21 @@ static void picture_title(const hs_run *run, char *out, size_t bytes) {
     (void)snprintf(out, bytes, "%s, %s", name, plugin);
 }
 
+/* Somebody may be waiting for the result, so it is written before the other pictures are drawn. */
 bool hs_run_pictures(hs_run *run, const char *folder, hs_error *err) {
     char title[600], note[1100];
     hs_view view;
     picture_title(run, title, sizeof title);
     const uint32_t middle = run->request.loop.frames / 2;
-    if (!hs_loop_view(run->loop, middle, &view, err)) return false;
-    if (run->request.few_pictures) {
-        const bool written = hs_loop_write_result(&view, folder, err);
-        hs_view_free(&view);
-        return written;
-    }
-    const bool ok = hs_loop_write_pictures(
-        &view, folder, title,
-        hs_frame_note(&view.maps.frame, hs_run_plugin_error(run)->text, note, sizeof note),
-        run->request.panel_cell, err);
+    if (!hs_loop_view_result(run->loop, middle, &view, err)) return false;
+    const bool ok = hs_loop_write_result(&view, folder, err) &&
+                    hs_loop_view_rest(run->loop, middle, &view, err) &&
+                    hs_loop_write_full(&view, folder, err) &&
+                    (run->request.few_pictures ||
+                     hs_loop_write_rest(
+                         &view, folder, title,
+                         hs_frame_note(&view.maps.frame, hs_run_plugin_error(run)->text, note, sizeof note),
+                         run->request.panel_cell, err));
     hs_view_free(&view);
     return ok;
 }

@@ -9,34 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-const char *hs_setting_key(hs_setting setting) {
-    static const char *const keys[HS_SETTING_COUNT] = {"dvr", "convert", "smartvis"};
-    return keys[setting];
-}
-
-const char *hs_setting_label(hs_setting setting) {
-    static const char *const labels[HS_SETTING_COUNT] = {"DVR", "DVR + scan conversion",
-                                                         "DVR + scan conversion + plugin"};
-    return labels[setting];
-}
-
-const char *hs_stage_label(hs_stage stage) {
-    static const char *const labels[HS_STAGE_COUNT] = {"upload", "scan conversion", "plugin", "DVR",
-                                                       "whole loop"};
-    return labels[stage];
-}
-
-void hs_loop_defaults(hs_loop_options *options) {
-    *options = (hs_loop_options){.frames = 100, .slab_slices = 16, .carrier = SV_CARRIER_BUFFER};
-    hs_dvr_defaults(&options->dvr);
-}
-
-void hs_loop_for_pictures(hs_loop_options *options, hs_look look) {
-    options->dvr.look = look;
-    /* Tissue has half the intensity of bone: without a gain the thesis' pictures are dim. */
-    options->dvr.exposure = look == HS_LOOK_THESIS ? 1.5f : 1.0f;
-}
-
 double hs_loop_yaw(const hs_loop_options *options, uint32_t index) {
     if (options->frames < 2) return options->yaw;
     return options->yaw + options->orbit * ((double)index / (options->frames - 1) - 0.5);
@@ -368,7 +340,8 @@ bool hs_loop_ask(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) 
     return true;
 }
 
-static bool run_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *frame, hs_error *err) {
+static bool run_frame(hs_loop *loop, hs_setting setting, bool drawn, uint32_t index, hs_frame *frame,
+                      hs_error *err) {
     const double start = hs_now();
     hs_loop_camera(loop, index, &loop->camera);
     loop->current = index;
@@ -381,7 +354,8 @@ static bool run_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_fram
     const double converted = hs_now();
     if (setting == HS_SETTING_SMARTVIS && !hs_loop_ask(loop, index, frame, err)) return false;
     const double clipped = hs_now();
-    if (!hs_loop_draw(loop, loop->screen, index, frame, err) || !wait_for(loop, "clFinish (DVR)", err))
+    if (drawn &&
+        (!hs_loop_draw(loop, loop->screen, index, frame, err) || !wait_for(loop, "clFinish (DVR)", err)))
         return false;
     const double end = hs_now();
     frame->ms[HS_STAGE_UPLOAD] = (uploaded - start) * 1e3;
@@ -392,9 +366,18 @@ static bool run_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_fram
     return true;
 }
 
-bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *frame, hs_error *err) {
+static bool whole_frame(hs_loop *loop, hs_setting setting, bool drawn, uint32_t index, hs_frame *frame,
+                        hs_error *err) {
     *frame = (hs_frame){.outcome = SV_OK};
-    const bool ok = run_frame(loop, setting, index, frame, err);
+    const bool ok = run_frame(loop, setting, drawn, index, frame, err);
     loop->in_frame = false;
     return ok;
+}
+
+bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *frame, hs_error *err) {
+    return whole_frame(loop, setting, true, index, frame, err);
+}
+
+bool hs_loop_frame_undrawn(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err) {
+    return whole_frame(loop, HS_SETTING_SMARTVIS, false, index, frame, err);
 }

@@ -42,6 +42,9 @@ void hs_loop_window(const hs_loop *loop, uint32_t index, hs_camera *window, floa
  * no error of the frame: it renders unclipped, and hs_loop_plugin_error tells. False: HS_ERR_DEVICE. */
 bool hs_loop_frame(hs_loop *loop, hs_setting setting, uint32_t index, hs_frame *frame, hs_error *err);
 
+/* One with the plugin, but without a picture. */
+bool hs_loop_frame_undrawn(hs_loop *loop, uint32_t index, hs_frame *frame, hs_error *err);
+
 /*
  * For who decides from frame to frame what must be done anew.
  *

@@ -113,7 +113,7 @@ static bool measure_plugin_stages(hs_loop *loop, hs_loop_result *result, hs_erro
     for (uint32_t i = 0; ok && i < extra; i++) {
         hs_frame frame;
         sv_stage_times times;
-        ok = hs_loop_frame(loop, HS_SETTING_SMARTVIS, i, &frame, err);
+        ok = hs_loop_frame_undrawn(loop, i, &frame, err);
         if (!ok || !hs_clipper_stage_times(loop->clipper, &times)) continue;
         const double stage[5] = {times.transfer_ms, times.profile_ms, times.threshold_ms,
                                  times.reconstruct_ms, times.output_ms};

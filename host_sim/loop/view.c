@@ -279,7 +279,7 @@ static bool render_truth(hs_loop *loop, uint32_t index, hs_view *view, hs_error 
     return ok;
 }
 
-bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
+bool hs_loop_view_result(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     *view = (hs_view){0};
     hs_camera window;
     float share;
@@ -290,14 +290,23 @@ bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
     view->ghosted = loop->options.dvr.ghost_width > 0;
     const bool ok = allocate_pictures(loop, view, err) && hs_loop_maps(loop, index, &view->maps, err) &&
                     (view->volume = hs_source_bring(loop->source, index % loop->source->count, err)) &&
-                    render_to(loop, index, &view->maps.frame, view->result, view->termination, err) &&
-                    render_to(loop, index, NULL, view->full, view->full_termination, err) &&
-                    (!view->truth || render_truth(loop, index, view, err));
+                    render_to(loop, index, &view->maps.frame, view->result, view->termination, err);
     if (ok)
         hs_maps_crop(&view->maps, loop->source);
     else
         hs_view_free(view);
     return ok;
+}
+
+bool hs_loop_view_rest(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
+    const bool ok = render_to(loop, index, NULL, view->full, view->full_termination, err) &&
+                    (!view->truth || render_truth(loop, index, view, err));
+    if (!ok) hs_view_free(view);
+    return ok;
+}
+
+bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err) {
+    return hs_loop_view_result(loop, index, view, err) && hs_loop_view_rest(loop, index, view, err);
 }
 
 /* A whole frame with one more value, which comes last and so counts. */

@@ -82,8 +82,11 @@ typedef struct {
     bool truth_cut;          /* the truth's picture shows a cut (hs_truth_shows_cut) */
 } hs_view;
 
-/* HS_ERR_DEVICE or HS_ERR_MEMORY; the view is zeroed then. */
+/* HS_ERR_DEVICE or HS_ERR_MEMORY; the view is zeroed then. The result comes first, for whom it is enough:
+ * the rest is `full`, `full_termination` and `truth`. */
 bool hs_loop_view(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err);
+bool hs_loop_view_result(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err);
+bool hs_loop_view_rest(hs_loop *loop, uint32_t index, hs_view *view, hs_error *err);
 
 /* Frees everything. Safe on a zeroed struct. */
 void hs_view_free(hs_view *view);

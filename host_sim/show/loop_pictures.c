@@ -148,15 +148,23 @@ static bool write_slices(const hs_view *view, const char *folder, const char *ti
 }
 
 bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err) {
-    return write_plain(view, view->result, folder, "result.png", err) &&
-           write_plain(view, view->full, folder, "full.png", err);
+    return write_plain(view, view->result, folder, "result.png", err);
+}
+
+bool hs_loop_write_full(const hs_view *view, const char *folder, hs_error *err) {
+    return write_plain(view, view->full, folder, "full.png", err);
+}
+
+bool hs_loop_write_rest(const hs_view *view, const char *folder, const char *title, const char *note,
+                        uint32_t cell, hs_error *err) {
+    return (!view->truth || write_plain(view, view->truth, folder, "truth.png", err)) &&
+           write_panel(view, folder, title, note, cell, err) &&
+           write_slices(view, folder, title, note, cell, err) &&
+           write_depthmap(view, folder, title, note, err) && write_confidence(view, folder, title, err);
 }
 
 bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
                             uint32_t cell, hs_error *err) {
-    return hs_loop_write_result(view, folder, err) &&
-           (!view->truth || write_plain(view, view->truth, folder, "truth.png", err)) &&
-           write_panel(view, folder, title, note, cell, err) &&
-           write_slices(view, folder, title, note, cell, err) &&
-           write_depthmap(view, folder, title, note, err) && write_confidence(view, folder, title, err);
+    return hs_loop_write_result(view, folder, err) && hs_loop_write_full(view, folder, err) &&
+           hs_loop_write_rest(view, folder, title, note, cell, err);
 }

@@ -18,8 +18,11 @@
 bool hs_loop_write_pictures(const hs_view *view, const char *folder, const char *title, const char *note,
                             uint32_t cell, hs_error *err);
 
-/* result.png and full.png alone: what a script compares. */
+/* Of these result.png, which needs no more than hs_loop_view_result; full.png; and all others. */
 bool hs_loop_write_result(const hs_view *view, const char *folder, hs_error *err);
+bool hs_loop_write_full(const hs_view *view, const char *folder, hs_error *err);
+bool hs_loop_write_rest(const hs_view *view, const char *folder, const char *title, const char *note,
+                        uint32_t cell, hs_error *err);
 
 /* What a person must know of a frame beside its picture: that it is not clipped and why (`failure`, what the
  * plugin failed with), or how many rays are not. NULL if there is nothing to say, else `out`. */
