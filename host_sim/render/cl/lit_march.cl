@@ -94,6 +94,22 @@ INLINE void take_veil(met *m, ghost_range ghost, float a, vf y0, vf y1, float th
     m->veil += depth;
 }
 
+#define MARCH_AHEAD 4 /* samples: a cache that is slow has answered by then */
+
+/* Asks for what the packet reads of the volume at sample n: rows of the slice that rays come to then. */
+INLINE void ask_for_sample(__global const uchar *smooth, int4 dims, packet p, float4 dn, float n) {
+#if LANES == 16
+    int4 x = convert_int4(p.x.s048c + n * dn.x), y = convert_int4(p.y.s048c + n * dn.y),
+         z = convert_int4(p.z.s048c + n * dn.z);
+    int4 i = ((z + (dn.z > 0.0f ? 1 : 0)) * dims.y + y) * dims.x + x;
+    fetch_ahead(smooth, i.s0);
+    fetch_ahead(smooth, i.s1);
+    fetch_ahead(smooth, i.s2);
+    fetch_ahead(smooth, i.s3);
+    fetch_ahead(smooth, i.s3 + dims.x);
+#endif
+}
+
 /* Walks from sample `n` until every ray has its surface or is through. */
 INLINE met march(__global const uchar *smooth, int4 dims, __global const uchar *grid, int4 bricks, packet p,
                  float4 dn, ghost_range ghost, float4 window, bool veiled, int n, int end) {
@@ -115,6 +131,7 @@ INLINE met march(__global const uchar *smooth, int4 dims, __global const uchar *
         int stop =
             clear ? n + 1 : min(n + run, end); /* a clear brick's first sample ends the step before it */
         for (; n < stop; n++) {
+            ask_for_sample(smooth, dims, p, dn, (float)(n + MARCH_AHEAD));
             vf y1 = ramp_of(sample_smooth(smooth, dims, p, dn, (float)n), window);
             if (veiled) take_veil(&m, ghost, (float)(n - 1), y0, y1, window.z);
             take_step(&m, ghost, (float)(n - 1), y0, y1, window.z);
