@@ -209,7 +209,7 @@ static void finish_slice(void *context, uint32_t slice) {
     hs_field *f = s->pass.field;
     const int r = s->axial.radius;
     const uint32_t z = f->low + slice;
-    float part[2][HS_VOLUME_MAX_AXIS + LANES];
+    float part[2][HS_VOLUME_MAX_AXIS + LANES] = {{0}};
     for (uint32_t y = 0; y < f->n[1]; y++) {
         for (int k = 0; k < 2; k++) {
             const float *row[2 * MAX_RADIUS + 1];
