@@ -4,6 +4,7 @@
 #pragma once
 
 #include "loop/loop.h"
+#include "loop/map_at.h"
 #include "loop/screen.h"
 #include "render/dvr.h"
 #include "scene/scene.h"
@@ -38,9 +39,6 @@ void hs_maps_scan(hs_maps *maps, const hs_volume *volume);
  * which a ray through the box of `window` has *steps. HS_ERR_DEVICE. */
 bool hs_loop_pick(hs_loop *loop, hs_screen *screen, uint32_t index, const hs_frame *frame, hs_camera *window,
                   uint32_t *steps, float *ends, hs_error *err);
-
-/* A map at a place between its pixels, as the renderer has it: bilinear, clamped at the edges. */
-double hs_map_at(const float *map, uint32_t width, uint32_t height, double column, double row);
 
 /* Frees everything. Safe on a zeroed struct. */
 void hs_maps_free(hs_maps *maps);
