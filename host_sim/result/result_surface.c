@@ -99,7 +99,6 @@ enum { NONE = -1 };
 typedef struct {
     const hs_maps *maps;
     hs_result_grid grid;
-    bool mm;         /* lengths are; else nobody knows them */
     bool *usable;    /* a pixel whose surface lies in the volume, and in its box */
     int32_t *number; /* of its vertex, or NONE */
     hs_surface_size size;
@@ -168,22 +167,8 @@ static void number_vertices(surface *s) {
         if (s->number[i] != NONE) s->number[i] = (int32_t)s->size.vertices++;
 }
 
-static bool write_head(const surface *s, hs_output_file *out, hs_error *err) {
-    const int written = fprintf(
-        out->file,
-        "ply\nformat %s 1.0\ncomment SmartVis clipping surface, %s, %s\ncomment SPACE=LPS%s\n"
-        "element vertex %" PRIu32
-        "\nproperty float x\nproperty float y\nproperty float z\nelement face %" PRIu32
-        "\nproperty list uchar int vertex_indices\nend_header\n",
-        __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? "binary_big_endian" : "binary_little_endian",
-        s->mm ? "mm" : "voxels: the file does not say its spacing",
-        s->grid.pose.stated ? "x to the left, y to the back, z to the head (LPS)" : "along the source's axes",
-        s->mm ? " UNIT=mm" : "", s->size.vertices, s->size.triangles);
-    return written > 0 ||
-           hs_fail(err, HS_ERR_OUTPUT, "%s: the header cannot be written: %s", out->path, strerror(errno));
-}
-
-static bool write_vertices(const surface *s, hs_output_file *out, hs_error *err) {
+/* Vertices in mm of the patient. */
+static void place_vertices(const surface *s, float (*vertices)[3]) {
     for (uint32_t y = 0; y < s->maps->height; y++)
         for (uint32_t x = 0; x < s->maps->width; x++) {
             const size_t i = (size_t)y * s->maps->width + x;
@@ -191,54 +176,100 @@ static bool write_vertices(const surface *s, hs_output_file *out, hs_error *err)
             const double index[3] = {x, y, (double)s->maps->depth[i]};
             double world[3];
             hs_pose_world(&s->grid.pose, s->grid.spacing, index, world);
-            const float vertex[3] = {(float)world[0], (float)world[1], (float)world[2]};
-            if (!hs_output_write(out, vertex, sizeof vertex, err)) return false;
+            for (int k = 0; k < 3; k++) vertices[s->number[i]][k] = (float)world[k];
         }
-    return true;
-}
-
-static bool write_triangle(hs_output_file *out, int32_t a, int32_t b, int32_t c, hs_error *err) {
-    const int32_t corners[3] = {a, b, c};
-    const uint8_t count = 3;
-    return hs_output_write(out, &count, 1, err) && hs_output_write(out, corners, sizeof corners, err);
 }
 
 /* The picture's x runs right, y down and depth away: upper left, lower left, upper right turns against the
  * clock for who looks at it. */
-static bool write_faces(const surface *s, hs_output_file *out, hs_error *err) {
+static void place_triangles(const surface *s, int32_t (*out)[3]) {
     const uint32_t w = s->maps->width;
     for (uint32_t y = 0; y + 1 < s->maps->height; y++)
         for (uint32_t x = 0; x + 1 < w; x++) {
             const size_t i = (size_t)y * w + x;
             const int32_t *n = s->number + i;
-            if (is_cell(s, i) && !(write_triangle(out, n[0], n[w], n[1], err) &&
-                                   write_triangle(out, n[1], n[w], n[w + 1], err)))
-                return false;
+            if (!is_cell(s, i)) continue;
+            const int32_t cell[2][3] = {{n[0], n[w], n[1]}, {n[1], n[w], n[w + 1]}};
+            memcpy(out, cell, sizeof cell);
+            out += 2;
         }
+}
+
+/* As many as were counted, at least room for one. */
+static bool make_mesh(const surface *s, hs_mesh *mesh, hs_error *err) {
+    mesh->size = s->size;
+    mesh->vertices = hs_memory(s->size.vertices + 1u, sizeof *mesh->vertices, "surface", err);
+    mesh->triangles = hs_memory(s->size.triangles + 1u, sizeof *mesh->triangles, "surface", err);
+    if (!mesh->vertices || !mesh->triangles) return false;
+    place_vertices(s, mesh->vertices);
+    place_triangles(s, mesh->triangles);
+    return true;
+}
+
+bool hs_result_surface(const hs_maps *maps, const hs_volume *volume, const hs_crop *box, hs_mesh *mesh,
+                       hs_error *err) {
+    const size_t rays = (size_t)maps->width * maps->height;
+    surface s = {.maps = maps};
+    *mesh = (hs_mesh){0};
+    s.usable = hs_memory(rays, sizeof *s.usable, "surface", err);
+    s.number = hs_memory(rays, sizeof *s.number, "surface", err);
+    bool ok = s.usable && s.number;
+    if (ok) {
+        hs_result_grid_of(maps, volume, &s.grid);
+        find_usable(&s, volume, box);
+        number_vertices(&s);
+        ok = make_mesh(&s, mesh, err);
+    }
+    free(s.usable);
+    free(s.number);
+    if (!ok) hs_mesh_free(mesh);
+    return ok;
+}
+
+void hs_mesh_free(hs_mesh *mesh) {
+    free(mesh->vertices);
+    free(mesh->triangles);
+    *mesh = (hs_mesh){0};
+}
+
+static bool write_head(const hs_mesh *mesh, const hs_volume *volume, hs_output_file *out, hs_error *err) {
+    const bool mm = !volume->spacing_unsaid; /* lengths are; else nobody knows them */
+    const int written = fprintf(
+        out->file,
+        "ply\nformat %s 1.0\ncomment SmartVis clipping surface, %s, %s\ncomment SPACE=LPS%s\n"
+        "element vertex %" PRIu32
+        "\nproperty float x\nproperty float y\nproperty float z\nelement face %" PRIu32
+        "\nproperty list uchar int vertex_indices\nend_header\n",
+        __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__ ? "binary_big_endian" : "binary_little_endian",
+        mm ? "mm" : "voxels: the file does not say its spacing",
+        volume->pose.stated ? "x to the left, y to the back, z to the head (LPS)" : "along the source's axes",
+        mm ? " UNIT=mm" : "", mesh->size.vertices, mesh->size.triangles);
+    return written > 0 ||
+           hs_fail(err, HS_ERR_OUTPUT, "%s: the header cannot be written: %s", out->path, strerror(errno));
+}
+
+static bool write_triangles(const hs_mesh *mesh, hs_output_file *out, hs_error *err) {
+    static const uint8_t corners = 3;
+    for (uint32_t i = 0; i < mesh->size.triangles; i++)
+        if (!hs_output_write(out, &corners, 1, err) ||
+            !hs_output_write(out, mesh->triangles[i], sizeof mesh->triangles[i], err))
+            return false;
     return true;
 }
 
 bool hs_result_write_surface(const char *path, const hs_maps *maps, const hs_volume *volume,
                              const hs_crop *box, hs_surface_size *size, hs_error *err) {
-    const size_t rays = (size_t)maps->width * maps->height;
-    surface s = {.maps = maps, .mm = !volume->spacing_unsaid};
     hs_output_file out;
-    s.usable = malloc(rays * sizeof *s.usable);
-    s.number = malloc(rays * sizeof *s.number);
-    bool ok = s.usable && s.number;
-    if (!ok) (void)hs_fail(err, HS_ERR_MEMORY, "%s: no memory for %zu pixels", path, rays);
+    hs_mesh mesh;
+    bool ok = hs_result_surface(maps, volume, box, &mesh, err);
+    *size = mesh.size;
+    ok = ok && hs_output_open(&out, path, err);
     if (ok) {
-        hs_result_grid_of(maps, volume, &s.grid);
-        find_usable(&s, volume, box);
-        number_vertices(&s);
-        ok = hs_output_open(&out, path, err);
-    }
-    if (ok) {
-        ok = write_head(&s, &out, err) && write_vertices(&s, &out, err) && write_faces(&s, &out, err);
+        ok = write_head(&mesh, volume, &out, err) &&
+             hs_output_write(&out, mesh.vertices, mesh.size.vertices * sizeof *mesh.vertices, err) &&
+             write_triangles(&mesh, &out, err);
         ok = hs_output_commit(&out, err) && ok;
     }
-    *size = s.size;
-    free(s.usable);
-    free(s.number);
+    hs_mesh_free(&mesh);
     return ok;
 }

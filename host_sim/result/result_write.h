@@ -31,12 +31,21 @@ typedef struct {
     uint32_t vertices, triangles;
 } hs_surface_size;
 
-/*
- * Writes a PLY file (binary): a vertex in mm of the patient (hs_pose) for every pixel whose surface lies in
- * the volume, and two triangles for every cell of four of them whose depths differ by no more than
- * HS_SURFACE_STEEPEST allows. Their front is towards the camera. Vertices without a triangle are left out.
- * HS_ERR_OUTPUT names the path; HS_ERR_MEMORY.
- */
+/* The clipping surface. Free with hs_mesh_free. */
+typedef struct {
+    hs_surface_size size;
+    float (*vertices)[3];    /* mm of the patient (hs_pose) */
+    int32_t (*triangles)[3]; /* numbers of vertices */
+} hs_mesh;
+
+/* A vertex for every pixel whose surface lies in the volume and in its box, and two triangles for every cell
+ * of four of them whose depths differ by no more than HS_SURFACE_STEEPEST allows. Their front is towards the
+ * camera. Vertices without a triangle are left out. HS_ERR_MEMORY; the mesh is zeroed then. */
+bool hs_result_surface(const hs_maps *maps, const hs_volume *volume, const hs_crop *box, hs_mesh *mesh,
+                       hs_error *err);
+void hs_mesh_free(hs_mesh *mesh); /* safe on a zeroed struct */
+
+/* Writes it as a PLY file (binary). HS_ERR_OUTPUT names the path; HS_ERR_MEMORY. */
 bool hs_result_write_surface(const char *path, const hs_maps *maps, const hs_volume *volume,
                              const hs_crop *box, hs_surface_size *size, hs_error *err);
 
