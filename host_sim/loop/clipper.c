@@ -318,13 +318,14 @@ bool hs_clipper_frame(hs_clipper *clipper, hs_frame_facts facts, hs_clip_outcome
     return settle(clipper, status, call, clip, err);
 }
 
-bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip_outcome *clip, hs_error *err) {
+bool hs_clipper_adjust(hs_clipper *clipper, const sv_param_value *values, uint32_t count,
+                       hs_clip_outcome *clip, hs_error *err) {
     *clip = (hs_clip_outcome){.outcome = SV_ERR_STATE};
     if (!clipper->active) return true;
     const sv_plugin *instance = clipper->plugin->instance;
     if (!clear_map(clipper, err)) return false;
     const sv_result result = make_result(clipper);
-    return settle(clipper, instance->adjust(instance, &value, 1, &result), "adjust", clip, err);
+    return settle(clipper, instance->adjust(instance, values, count, &result), "adjust", clip, err);
 }
 
 /* --------------------------------------------------------------------------------------- what it left -- */
@@ -370,6 +371,10 @@ const uint8_t *hs_clipper_status(const hs_clipper *clipper) {
 const hs_error *hs_clipper_error(const hs_clipper *clipper) {
     /* A guarded plugin may also end where no frame fails of it. */
     return clipper->error.code == HS_OK ? hs_guarded_ended(clipper->plugin) : &clipper->error;
+}
+
+void hs_clipper_forget_error(hs_clipper *clipper) {
+    clipper->error = (hs_error){0};
 }
 
 const hs_error *hs_clipper_confidence_error(const hs_clipper *clipper) {

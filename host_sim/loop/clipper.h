@@ -65,8 +65,9 @@ typedef struct {
  * run. HS_ERR_DEVICE. */
 bool hs_clipper_frame(hs_clipper *clipper, hs_frame_facts facts, hs_clip_outcome *clip, hs_error *err);
 
-/* The last successful frame with another value for one parameter that is flagged SV_PARAM_ADJUST. */
-bool hs_clipper_adjust(hs_clipper *clipper, sv_param_value value, hs_clip_outcome *clip, hs_error *err);
+/* The last successful frame with other values for parameters that are flagged SV_PARAM_ADJUST. */
+bool hs_clipper_adjust(hs_clipper *clipper, const sv_param_value *values, uint32_t count,
+                       hs_clip_outcome *clip, hs_error *err);
 
 /* Where rays start by the last call's map, for hs_dvr_render: *out, or NULL if `clipped` is false.
  * `with_confidence` adds the confidence. *out points into the clipper. */
@@ -86,6 +87,9 @@ const uint8_t *hs_clipper_status(const hs_clipper *clipper);
  * there was none. Owned by the clipper. */
 const hs_error *hs_clipper_error(const hs_clipper *clipper);
 const hs_error *hs_clipper_confidence_error(const hs_clipper *clipper);
+
+/* Of the plugin's failures so far nothing is told any more: the next one is the first. */
+void hs_clipper_forget_error(hs_clipper *clipper);
 
 /* Switches the plugin's own timing on or off; false if it has none. */
 bool hs_clipper_time_stages(const hs_clipper *clipper, bool on);

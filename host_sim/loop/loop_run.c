@@ -33,7 +33,7 @@ bool hs_loop_clip(hs_loop *loop, uint32_t index, hs_frame *frame, float *map, hs
 
 bool hs_loop_adjust(hs_loop *loop, sv_param_value value, hs_frame *frame, float *map, hs_error *err) {
     hs_clip_outcome clip;
-    return hs_clipper_adjust(loop->clipper, value, &clip, err) &&
+    return hs_clipper_adjust(loop->clipper, &value, 1, &clip, err) &&
            hs_loop_mark(loop, loop->asked, &clip, err) && take_clip(loop, &clip, frame, map, err);
 }
 
