@@ -2,9 +2,9 @@
 #include "loop/loop.h"
 
 #include "core/progress.h"
-#include "guarded/guarded.h"
 #include "loop/loop_state.h"
 #include "loop/lowres.h"
+#include "loop/plugin_side.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -96,47 +96,26 @@ static bool make_layout(const hs_loop *loop, hs_slab_layout *layout, hs_error *e
     return true;
 }
 
-/* What the plugin takes decides how slabs go to it; the loop's own options then say so. A plugin that does
- * not take what it must is `refused`: the loop goes on without it. */
-static void fit_plugin(hs_loop *loop, const hs_plugin *plugin, hs_error *refused) {
-    hs_loop_options *o = &loop->options;
-    hs_handover way = {o->carrier, o->own_queue};
-    if (plugin) {
-        const sv_descriptor *d = plugin->instance->descriptor;
-        (void)hs_plugin_choose_handover(d, plugin->path, way, o->carrier_fixed, &way, refused);
-        o->carrier = way.carrier;
-        o->own_queue = way.own_queue;
-    }
-    o->fan = plugin ? hs_plugin_fan(plugin->instance->descriptor) : HS_FAN_RANGES;
-}
-
-/* The slabs as the plugin takes them, and the plugin. `gaps`: hs_slabs_create. */
+/* The slabs as the plugin takes them, and the plugin; the loop's own options then say how that is. A plugin
+ * that does not take what it must is refused: the loop goes on without it. `gaps`: hs_slabs_create. */
 static bool create_clipper(hs_loop *loop, const hs_plugin *plugin, bool gaps, hs_error *err) {
-    const hs_loop_options *o = &loop->options;
+    hs_loop_options *o = &loop->options;
+    hs_side_way way = {.handover = {o->carrier, o->own_queue}, .fixed = o->carrier_fixed};
     hs_slab_layout layout;
-    hs_error refused = {0};
-    fit_plugin(loop, plugin, &refused);
-    /* Asked here for a guarded plugin, too, whose images are its guard's: they fail in no call of the plugin.
-     */
-    if (o->carrier == SV_CARRIER_IMAGE && !hs_cl_check_images(loop->cl, err)) return false;
+    hs_side_fit(&way, plugin);
+    o->carrier = way.handover.carrier;
+    o->own_queue = way.handover.own_queue;
+    o->fan = way.fan;
     if (!make_layout(loop, &layout, err)) return false;
     const float across = (float)(loop->box.extent / layout.width);
     const float along = (float)(loop->box.depth_extent / layout.slices);
-    /* A guarded plugin is given memory of its guard's, on what it calls its own queue. */
-    const bool guarded = hs_is_guarded(plugin), unsaid = hs_source_shape(loop->source)->spacing_unsaid;
+    const bool unsaid = hs_source_shape(loop->source)->spacing_unsaid;
     const hs_clipper_options asked = {
-        .own_queue = o->own_queue || guarded,
         .spacing_mm = {unsaid ? 0.0f : across, unsaid ? 0.0f : across, unsaid ? 0.0f : along},
-        .refused = &refused,
         .want_confidence = o->dvr.ghost_width > 0 && o->dvr.ghost_doubt > 0,
         .values = o->values,
         .value_count = o->value_count};
-    void *memory = NULL;
-    hs_guarded_route(plugin, (hs_handover){o->carrier, o->own_queue});
-    if (guarded && !(memory = hs_guarded_memory(plugin, hs_slabs_bytes(&layout), err))) return false;
-    return (loop->slabs = hs_slabs_create(loop->cl, &layout, guarded ? SV_CARRIER_HOST : o->carrier, o->fan,
-                                          gaps, memory, err)) &&
-           (loop->clipper = hs_clipper_create(loop->cl, loop->slabs, plugin, &asked, err)) &&
+    return hs_side_create(loop->cl, plugin, &way, &layout, gaps, &asked, &loop->slabs, &loop->clipper, err) &&
            hs_slabs_prepare(loop->slabs, loop->volume, &loop->box, err);
 }
 
