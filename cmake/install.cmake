@@ -39,7 +39,7 @@ if(NOT WIN32)
 endif()
 
 set(SV_INSTALLED smartvis)
-foreach(target host_sim sv_validate sv_replay sv_bench smartvis_check)
+foreach(target host_sim sv_validate sv_replay sv_bench smartvis_check smartvis_host)
   if(TARGET ${target})
     list(APPEND SV_INSTALLED ${target})
   endif()
@@ -59,6 +59,10 @@ install(DIRECTORY data/scenes DESTINATION share/smartvis COMPONENT smartvis FILE
 install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION share/doc/smartvis COMPONENT smartvis)
 install(DIRECTORY docs DESTINATION share/doc/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.jpg")
 
+if(TARGET smartvis_host)
+  install(TARGETS smartvis_host LIBRARY DESTINATION lib RUNTIME DESTINATION bin ARCHIVE DESTINATION lib COMPONENT smartvis)
+  install(FILES host_sim/door/smartvis_host.h DESTINATION include COMPONENT dev)
+endif()
 install(DIRECTORY include/ DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 install(DIRECTORY ${CMAKE_BINARY_DIR}/${SV_PACKAGE_FOLDER}/ DESTINATION ${SV_PACKAGE_FOLDER} COMPONENT dev
   FILES_MATCHING PATTERN "*.cmake")

@@ -48,6 +48,8 @@ base/opencl | abi base/core . | libc opencl
 base/guarded | abi base/core base/guard base/plugin base/opencl . | libc opencl
 host_sim/loop | abi MACHINE . | libc opencl
 host_sim/seen | abi MACHINE host_sim/loop . | libc opencl
+host_sim/door/smartvis_host.h | . | fixed
+host_sim/door | abi MACHINE host_sim/loop host_sim/result . | libc opencl
 host_sim/result | abi MACHINE host_sim/loop . | libc opencl
 host_sim/program/not_here_windows.c | base/core host_sim/console lab/report . | libc
 host_sim/show | abi MACHINE host_sim/picture host_sim/loop . | libc opencl

@@ -39,3 +39,7 @@ if(NOT SV_SANITIZE)
     set_tests_properties(${test} PROPERTIES FIXTURES_REQUIRED python_environment COST 30)
   endforeach()
 endif()
+
+# The machine as a library.
+target_link_libraries(test_door PRIVATE smartvis_host)
+add_dependencies(test_door host_sim wrong_plugins)

@@ -82,6 +82,18 @@ simulate --plugin "$build_dir/examples/kernel_edge.so" --own-queue
 simulate --plugin "$build_dir/examples/kernel_edge.so" --carrier host --set q=0.5
 simulate --plugin "$build_dir/examples/template.so"
 
+# --- the machine as a library, by ctypes: the map of host_sim, whose millimetres are slices here
+ends 0 "$build_dir/host_sim" scenes D01 --size 120 --export --out "$work/scan"
+ends 0 "$build_dir/host_sim" run --volume "$work/scan/D01_full.mha" --set q=0.4 --setting smartvis --frames 1 --picture 64 --few-pictures \
+    --write depthmap --out "$work/run"
+door=("$source_dir/examples/door/clip.py" "$build_dir/libsmartvis_host.so" "$work/scan/D01_full.mha" "$work/depth.raw")
+ends 0 python3 -B "${door[@]}" q=0.4
+holds grep -q '^120 x 120 rays of 120 slices, 1 mm apart: outcome 0$' "$work/stdout"
+tail -c "$(stat -c %s "$work/depth.raw")" "$work/run/depthmap.mha" > "$work/expected.raw"
+holds cmp "$work/depth.raw" "$work/expected.raw"
+ends 1 python3 -B "${door[@]}" q=2
+holds grep -qF 'parameter q: 2 is outside' "$work/stderr"
+
 # --- against the truth: an error of less than a step, where the unclipped volume has more than fifty
 ends 0 "$build_dir/host_sim" report --case D01 --size 96 --seeds 1 --frames 0 --out "$work/report" \
     --compare "$build_dir/examples/kernel_edge.so" --compare "$plugins/zeros.so"

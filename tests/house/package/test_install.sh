@@ -36,7 +36,7 @@ for file in bin/host_sim bin/sv_validate bin/sv_bench share/man/man1/sv_bench.1 
     holds test -s "$prefix/$file"
 done
 holds test "$(find "$prefix/share/smartvis/scenes" -name '*.json' | wc -l)" = "$(find "$source_dir/data/scenes" -name '*.json' | wc -l)"
-holds test "$(cd "$prefix/include" && find . -type f | sort)" = "$(cd "$source_dir/include" && find . -type f | sort)"
+holds test "$(cd "$prefix/include" && find . -type f | sort)" = "$(cd "$source_dir/include" && { find . -type f; echo ./smartvis_host.h; } | sort)"
 
 holds test "$(cd "$prefix/lib/smartvis" && echo ./* */*)" = "./check ./smartvis.so check/smartvis_check.so"
 
@@ -69,6 +69,22 @@ if command -v man > /dev/null; then
         holds test "$(LC_ALL=C MANROFFSEQ='' MANWIDTH=80 man --warnings -E UTF-8 -l -Tutf8 -Z "$page" 2>&1 > /dev/null)" = ""
     done
 fi
+
+# --- the machine as a library: it shows what its header declares, and finds plugin and guard from where it is
+declared=$(grep -oE '\bsvh_[a-z_]+\(' "$prefix/include/smartvis_host.h" | tr -d '(' | sort -u)
+holds test "$(nm -D --defined-only "$prefix/lib/libsmartvis_host.so" | awk '{ print $3 }' | sort)" = "$declared"
+holds works "$host_sim" scenes D01 --size 48 --export --out "$work/scan"
+printf '#include <smartvis_host.h>\n#include <stdio.h>\nint main(int n, char **of) {\n    svh_error e = {.size = sizeof e};\n%s\n%s\n%s\n}\n' \
+    '    svh_host *h; svh_clipper *c; svh_volume *v; svh_result r = {.size = sizeof r};' \
+    '    int code = svh_open(NULL, &h, &e) || svh_clipper_open(h, n > 2 ? of[2] : NULL, NULL, &c, &e) || svh_volume_read(h, of[1], NULL, &v, &e);' \
+    '    return puts(code || svh_clip(c, v, NULL, NULL, &r, &e) ? e.text : r.clips ? "clipped" : r.why) < 0;' > "$work/by_library.c"
+holds works cc -std=c11 -Wall -Wextra -Werror -I "$prefix/include" "$work/by_library.c" -L "$prefix/lib" -lsmartvis_host -o "$work/by_library"
+export LD_LIBRARY_PATH=$prefix/lib
+holds works "$work/by_library" "$work/scan/D01_full.mha"
+holds said clipped
+holds works "$work/by_library" "$work/scan/D01_full.mha" "$build_dir/wrong/crash_in_slab.so"
+holds said 'crashed: SIGSEGV in slab'
+unset LD_LIBRARY_PATH
 
 # --- programs find plugin and scenes from where they are, in whatever folder they are called
 mkdir "$work/elsewhere"

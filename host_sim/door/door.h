@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+/* What smartvis_host.h's objects are made of: for the sources of this folder. */
+#pragma once
+
+#include "core/system.h"
+#include "door/smartvis_host.h"
+#include "guarded/guard_options.h"
+#include "loop/view.h"
+#include "opencl/host_cl.h"
+#include "plugin/loader.h"
+#include "render/device_volume.h"
+#include "volume/fan_fit.h"
+
+#include <pthread.h>
+
+struct svh_host {
+    pthread_mutex_t lock; /* held by every call that works on an object of this host */
+    hs_cl cl;             /* zeroed: not opened yet */
+    hs_fits fits;
+    hs_guard_options guard;
+    void (*log)(void *context, int32_t severity, const char *text);
+    void *context;
+    char own[SYS_PATH]; /* the house's plugin; "": not found beside the library */
+};
+
+struct svh_volume {
+    svh_host *host;
+    hs_volume volume;
+    hs_levels levels; /* how its values became levels */
+    bool fitted;
+    char doubt[HS_DOUBT_BYTES], question[160], beams[160];
+    hs_device_volume *on_device; /* NULL until it is needed there */
+};
+
+/* Ends a call: unlocks the host, and hands the error out. */
+int32_t door_leave(svh_host *host, const hs_error *err, svh_error *out);
+
+/* HS_ERR_USAGE if a struct's size is not the one of this header. */
+bool door_check_size(uint32_t given, size_t ours, const char *what, hs_error *err);
+
+/* Opens the host's device, unless it is open. */
+bool door_open_device(svh_host *host, hs_error *err);
+
+/* What became of values, and of the beams; door_volume.c and door_file.c end with it. */
+void door_find_course(svh_volume *volume);
+
+/* The camera of a view, with the smallest box; HS_ERR_INPUT for a place around a patient of whom nothing is
+ * said. */
+bool door_camera(const svh_volume *volume, const svh_view *view, hs_camera *camera, hs_error *err);
+
+/* Where a view says that the probe was. */
+hs_told door_told(const svh_view *view);
+
+/* The volume on the device, where it stays. */
+hs_device_volume *door_bring(svh_volume *volume, hs_error *err);
+
+/* True if the view has a grid: svh_plan was called. */
+bool door_check_planned(const svh_view *view, hs_error *err);
+
+/* Marks as the machine has them, in new memory. NULL with HS_ERR_MEMORY or HS_ERR_USAGE (too many). */
+hs_mark *door_marks(const svh_mark *marks, uint32_t count, hs_error *err);
