@@ -152,6 +152,16 @@ static sampling lay_samples(const hs_slab_layout *layout, const hs_volume *shape
     return s;
 }
 
+/* Every sample is a voxel's centre: the nearest voxel is what a blend would give, to the bit. */
+static bool meets_voxels(const sampling *s) {
+    bool meets = s->bits >= FIXED_MIN_BITS;
+    for (int k = 0; k < 3; k++) {
+        meets &= s->grid[k] == 1 && fabs(s->origin[k] - rint(s->origin[k])) < TOLERANCE / 2048;
+        for (int a = 0; a < 3; a++) meets &= fabs(s->step[a][k] - rint(s->step[a][k])) < TOLERANCE / 2048;
+    }
+    return meets;
+}
+
 static sampling plan_sampling(const hs_slab_layout *layout, const hs_device_view *source,
                               const hs_camera *camera) {
     const double *spacing = source->shape.spacing;
@@ -162,7 +172,8 @@ static sampling plan_sampling(const hs_slab_layout *layout, const hs_device_view
     sampling_way way = TRILINEAR;
     if (span >= NEAREST_MIN_SPAN) way = NEAREST;
     if (span >= HALVED_MIN_SPAN && !source->beams) way = HALVED;
-    const sampling s = lay_samples(layout, &source->shape, camera, edge, way);
+    sampling s = lay_samples(layout, &source->shape, camera, edge, way);
+    if (way == TRILINEAR && !source->beams && meets_voxels(&s)) s.way = NEAREST;
     return s.bits >= FIXED_MIN_BITS ? s : lay_samples(layout, &source->shape, camera, edge, TRILINEAR);
 }
 
@@ -260,6 +271,32 @@ bool hs_scan_convert_prepare(const hs_scan_converter *converter, const hs_device
            hs_device_volume_halved(source, &half, err);
 }
 
+/* True if the grid's voxels are voxels of the volume in their order, and a slab holds one slice below the
+ * other: it is a box of the volume then. */
+static bool is_box(const sampling *s, const hs_slab_layout *l, const hs_volume *shape) {
+    const double n[3] = {shape->nx, shape->ny, shape->nz}, size[3] = {l->width, l->height, l->slices};
+    bool same = s->way == NEAREST && meets_voxels(s) && l->tiles_x == 1;
+    for (int k = 0; k < 3; k++) {
+        same &= s->origin[k] > -0.5 && s->origin[k] + size[k] < n[k] + 0.5;
+        for (int a = 0; a < 3; a++) same &= fabs(s->step[a][k] - (a == k ? 1.0 : 0.0)) < 0.5;
+    }
+    return same;
+}
+
+static bool copy_box(const hs_scan_converter *converter, const hs_device_view *view, const sampling *s,
+                     uint32_t first, uint32_t slices, cl_mem slab, size_t offset, cl_event *event,
+                     hs_error *err) {
+    const hs_slab_layout *l = &converter->layout;
+    const size_t row = view->shape.nx, slice = row * view->shape.ny;
+    const size_t from[3] = {(size_t)lrint(s->origin[0]), (size_t)lrint(s->origin[1]),
+                            (size_t)lrint(s->origin[2]) + first};
+    const size_t to[3] = {offset, 0, 0}, region[3] = {l->width, l->height, slices};
+    const cl_int code =
+        clEnqueueCopyBufferRect(converter->cl->queue, view->voxels, slab, from, to, region, row, slice,
+                                l->row_pitch, (size_t)l->tile_h * l->row_pitch, 0, NULL, event);
+    return hs_cl_check(code, "clEnqueueCopyBufferRect (slab)", err);
+}
+
 bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *source,
                           const hs_camera *camera, uint32_t index, cl_mem slab, size_t offset,
                           cl_event *event, hs_error *err) {
@@ -273,6 +310,8 @@ bool hs_scan_convert_slab(hs_scan_converter *converter, const hs_device_volume *
     const hs_device_view view = hs_device_volume_view(source);
     sampling s = plan_sampling(l, &view, camera);
     hs_launch launch;
+    if (is_box(&s, l, &view.shape))
+        return copy_box(converter, &view, &s, index * l->slab_slices, slices, slab, offset, event, err);
     if (!begin_source(converter, source, &view, &s, &launch, err)) return false;
     const cl_int4 grid = {{(cl_int)s.grid[0], (cl_int)s.grid[1], (cl_int)s.grid[2], 0}};
     const cl_int4 size = {{(cl_int)l->width, (cl_int)l->height, (cl_int)(index * l->slab_slices), s.bits}};

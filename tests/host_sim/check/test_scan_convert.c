@@ -17,7 +17,7 @@ typedef struct {
 } convert_case;
 
 /* Edges of about 3, 2, 2.6, 1, 0.4 and 9 source voxels; cameras still, turned and on quarter turns; odd
- * shapes. */
+ * shapes. Boxes whose voxels are those of the source, and wider than it. */
 static const convert_case cases[] = {
     {{60, 60, 60}, {1.0, 1.0, 1.0}, 0.0, 0.0, TEST_NOISE, {20, 20, 20}},
     {{61, 50, 47}, {1.0, 1.0, 1.0}, 0.0, 0.0, TEST_SPARSE, {20, 20, 15}},
@@ -43,6 +43,10 @@ static const convert_case cases[] = {
     {{90, 33, 20}, {0.5, 0.5, 0.55}, -20.0, 80.0, TEST_FAN, {27, 27, 18}},
     {{64, 64, 64}, {0.5, 0.5, 0.55}, 137.0, -61.0, TEST_CORNER, {33, 33, 30}},
     {{41, 70, 53}, {0.5, 0.5, 0.55}, 180.0, 3.0, TEST_CORNER, {21, 21, 18}},
+    {{21, 21, 17}, {0.7, 0.7, 0.7}, 0.0, 0.0, TEST_SPARSE, {21, 21, 17}},
+    {{20, 14, 16}, {1.0, 1.0, 1.0}, 0.0, 0.0, TEST_SPARSE, {20, 20, 16}},
+    {{20, 14, 16}, {1.0, 1.0, 1.0}, 90.0, 0.0, TEST_NOISE, {16, 16, 20}},
+    {{20, 13, 16}, {1.0, 1.0, 1.0}, 0.0, 0.0, TEST_SPARSE, {20, 20, 16}},
 };
 #define CASES (sizeof cases / sizeof cases[0])
 
