@@ -47,7 +47,6 @@ host_sim/render/cl | . |
 base/opencl | abi base/core . | libc opencl
 base/guarded | abi base/core base/guard base/plugin base/opencl . | libc opencl
 host_sim/loop | abi MACHINE . | libc opencl
-host_sim/seen | abi MACHINE host_sim/loop . | libc opencl
 host_sim/door/smartvis_host.h | . | fixed
 host_sim/door | abi MACHINE host_sim/loop host_sim/result . | libc opencl
 host_sim/result | abi MACHINE host_sim/loop . | libc opencl

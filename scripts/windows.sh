@@ -165,7 +165,7 @@ for path in CON nul.mha "$out/deep" "$out/$long.mha" 'C:\missing.mha' '\\.\pipe\
 for path in NUL COM1 "$out/nul.txt" "$out/deep/new:x" 'C:x:y' C: 'Q:\none'; do ends 6 "$machine" scenes D02 --size 32 --export --out "$path"; done
 echo "windows: host_sim refuses devices, streams, and files outside of a header's folder, also for what it writes"
 
-# The wheel: plugin and smartvis_seen by the package's own build, host_sim.exe with the scenes, licences of what is linked in. It needs Windows'
+# The wheel: plugin and libsmartvis_host by the package's own build, host_sim.exe with the scenes, licences of what is linked in. It needs Windows'
 # own libraries and OpenCL.dll only, and is loaded and run from where Python would have it.
 rm -rf "$out"/smartvis-*.whl "$out/filled" "$out/unpacked"
 mkdir -p "$out/filled/plugin/share/smartvis"
@@ -183,11 +183,11 @@ for package in mingw-w64-common libz-mingw-w64-dev gcc-mingw-w64-x86-64-win32; d
 rm "$out"/smartvis-*-linux_x86_64.whl
 "$python" -m zipfile -e "$out"/smartvis-*-win_amd64.whl "$out/unpacked"
 machine=$out/unpacked/smartvis/plugin/host_sim.exe
-needs=$(cd "$(dirname "$machine")" && x86_64-w64-mingw32-objdump -p smartvis.dll smartvis_seen.dll host_sim.exe | sed -n 's/.*DLL Name: //p' |
+needs=$(cd "$(dirname "$machine")" && x86_64-w64-mingw32-objdump -p smartvis.dll libsmartvis_host.dll host_sim.exe | sed -n 's/.*DLL Name: //p' |
     grep -vixE '(opencl|kernel32|msvcrt|advapi32|shell32|gdi32|user32)\.dll' || true)
 [ -z "$needs" ] || { echo "windows: the wheel needs $needs" >&2; exit 1; }
 both run --scene D02 --size 64 --frames 1 --picture 64 --few-pictures --write depthmap --out wheel
 equal wheel depthmap.mha
-ends 4 "$machine" list --plugin "$(dirname "$machine")/smartvis_seen.dll" # what Python opens is loaded, and is no plugin
+ends 4 "$machine" list --plugin "$(dirname "$machine")/libsmartvis_host.dll" # what Python opens is loaded, and is no plugin
 grep -q 'no symbol smartvis_plugin_entry' "$out/there.txt"
 echo "windows: $(ls "$out"/smartvis-*.whl): a frame of it is as on Linux"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""clip.py LIBRARY VOLUME OUT.raw [KEY=VALUE ...]: a volume's clipping depthmap, by libsmartvis_host and nothing else."""
+"""clip.py LIBRARY VOLUME OUT.raw [KEY=VALUE ...]: a volume's clipping depthmap, by libsmartvis_host alone."""
 
 import ctypes as c
 import sys
@@ -20,8 +20,8 @@ class Result(c.Structure):
                 ("confidence", c.c_void_p), ("points", c.c_uint32), ("unfilled", c.c_uint32),
                 ("knows_fluid", c.c_uint32), ("fluid_threshold", c.c_float), ("open_rays", c.c_uint32),
                 ("knows_points", c.c_uint32), ("bone_threshold", c.c_float), ("volume_max", c.c_float),
-                ("passes", c.c_uint32), ("try_id", c.c_uint32), ("try_value", c.c_double),
-                ("why", c.c_char_p)]  # fmt: skip
+                ("passes", c.c_uint32), ("reconstruct_ms", c.c_float), ("try_id", c.c_uint32),
+                ("try_value", c.c_double), ("why", c.c_char_p)]  # fmt: skip
 
 
 def must(name, *arguments):
@@ -41,7 +41,10 @@ must("svh_volume_read", host, sys.argv[2].encode(), None, c.byref(volume))
 must("svh_clip", clipper, volume, None, None, c.byref(result))
 width, height, slices = result.n
 print(f"{width} x {height} rays of {slices} slices, {result.spacing[2]:g} mm apart: outcome {result.outcome}")
-print(result.why.decode() or f"in the middle it is clipped to slice {result.depth[(height // 2) * width + width // 2]:.1f}")
+print(
+    result.why.decode()
+    or f"in the middle it is clipped to slice {result.depth[(height // 2) * width + width // 2]:.1f}"
+)
 with open(sys.argv[3], "wb") as file:
     file.write(c.string_at(result.depth, 4 * width * height))
 library.svh_volume_free(volume)

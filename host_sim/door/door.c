@@ -73,6 +73,15 @@ static void find_parts(svh_host *host, const char *program) {
         hs_guard_set_program(found);
 }
 
+/* A caller that is told of a line of the log may free an object meanwhile, on the same thread. */
+static void make_lock(pthread_mutex_t *lock) {
+    pthread_mutexattr_t again;
+    (void)pthread_mutexattr_init(&again);
+    (void)pthread_mutexattr_settype(&again, PTHREAD_MUTEX_RECURSIVE);
+    (void)pthread_mutex_init(lock, &again);
+    (void)pthread_mutexattr_destroy(&again);
+}
+
 int32_t svh_open(const svh_options *options, svh_host **out, svh_error *error) {
     static const svh_options defaults = {.size = sizeof defaults};
     hs_error err = {0};
@@ -91,7 +100,7 @@ int32_t svh_open(const svh_options *options, svh_host **out, svh_error *error) {
     }
     host->log = options->log;
     host->context = options->context;
-    (void)pthread_mutex_init(&host->lock, NULL);
+    make_lock(&host->lock);
     find_parts(host, options->program);
     *out = host;
     return SVH_OK;

@@ -27,8 +27,8 @@ static bool keep_marks(svh_clipper *clipper, const svh_frame *frame, hs_error *e
 
 static bool check_frame(const svh_frame *frame, hs_error *err) {
     return door_check_size(frame->size, sizeof *frame, "svh_frame", err) &&
-           ((frame->flags & ~(uint32_t)(SVH_CONTINUES | SVH_SAME_VOLUME)) == 0 ||
-            hs_fail(err, HS_ERR_USAGE, "svh_frame: flags are 0x%x, expected SVH_CONTINUES or SVH_SAME_VOLUME",
+           ((frame->flags & ~(uint32_t)(SVH_CONTINUES | SVH_SAME_VOLUME | SVH_TIMED)) == 0 ||
+            hs_fail(err, HS_ERR_USAGE, "svh_frame: flags are 0x%x, expected SVH_CONTINUES, ...",
                     frame->flags));
 }
 
@@ -58,8 +58,12 @@ static bool ask(svh_clipper *clipper, svh_volume *volume, const svh_view *view, 
     hs_clipper_set_values(clipper->clipper, clipper->values, clipper->value_count);
     hs_clipper_want(clipper->clipper, true, true);
     clipper->volume = NULL;
-    if (!hs_clipper_frame(clipper->clipper, facts, clip, err) || !check_outcome(clipper, clip, err))
-        return false;
+    const bool timed = frame->flags & SVH_TIMED && hs_clipper_time_stages(clipper->clipper, true);
+    const bool ok = hs_clipper_frame(clipper->clipper, facts, clip, err) && check_outcome(clipper, clip, err);
+    clipper->times = (sv_stage_times){0};
+    if (ok && timed) (void)hs_clipper_stage_times(clipper->clipper, &clipper->times);
+    if (timed && clipper->clipper) (void)hs_clipper_time_stages(clipper->clipper, false);
+    if (!ok) return false;
     clipper->index++;
     clipper->has_before = true;
     clipper->volume = volume;
@@ -80,9 +84,10 @@ static bool read_maps(svh_clipper *clipper, const hs_clip_outcome *clip, svh_res
     const size_t rays = (size_t)clipper->n[0] * clipper->n[1];
     memset(clipper->depth, 0, rays * sizeof *clipper->depth);
     memset(clipper->confidence, 0, rays * sizeof *clipper->confidence);
-    if (clip->clipped && (!hs_clipper_read_depth(clipper->clipper, clipper->depth, err) ||
-                          !hs_marks_apply(clipper->marks, clipper->mark_count, &clipper->volume->volume,
-                                          &clipper->camera, clipper->n, clipper->depth, err)))
+    if (clip->clipped && !hs_clipper_read_depth(clipper->clipper, clipper->depth, err)) return false;
+    if (clip->clipped && clipper->mark_count > 0 &&
+        !hs_marks_apply(clipper->marks, clipper->mark_count, &clipper->volume->volume, &clipper->camera,
+                        clipper->n, clipper->depth, err))
         return false;
     if (clip->has_confidence && !hs_clipper_read_confidence(clipper->clipper, clipper->confidence, err))
         return false;
@@ -114,7 +119,8 @@ static bool tell(svh_clipper *clipper, const hs_clip_outcome *clip, svh_result *
                         .knows_points = clip->points.size != 0 && clip->stats.points > 0,
                         .bone_threshold = clip->points.bone_threshold,
                         .volume_max = clip->points.volume_max,
-                        .passes = clip->points.passes};
+                        .passes = clip->points.passes,
+                        .reconstruct_ms = (float)clipper->times.reconstruct_ms};
     memcpy(out->n, clipper->n, sizeof out->n);
     out->spacing[0] = out->spacing[1] = clipper->camera.extent / clipper->n[0];
     out->spacing[2] = clipper->camera.depth_extent / clipper->n[2];
@@ -160,6 +166,7 @@ int32_t svh_adjust(svh_clipper *clipper, const uint32_t *ids, const double *valu
     hs_clip_outcome clip;
     hs_error err = {0};
     (void)pthread_mutex_lock(&clipper->host->lock);
+    clipper->times = (sv_stage_times){0};
     if (door_check_size(out->size, sizeof *out, "svh_result", &err) &&
         adjust(clipper, ids, values, count, &clip, &err))
         (void)tell(clipper, &clip, out, &err);

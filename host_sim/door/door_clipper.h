@@ -24,6 +24,7 @@ struct svh_clipper {
     hs_camera camera;
     hs_mark *marks;
     uint32_t mark_count;
+    sv_stage_times times; /* of the last frame, if they were asked for */
     char why[HS_REASON_BYTES];
 };
 

@@ -250,8 +250,9 @@ SVH_EXPORT int32_t svh_needs(svh_clipper *clipper, const svh_volume *volume, con
                              uint64_t *bytes, svh_error *error);
 
 enum {
-    SVH_CONTINUES = 1u,  /* the volume continues the one before, as of a probe that is held on */
-    SVH_SAME_VOLUME = 2u /* it is the very one, by another camera or with other values */
+    SVH_CONTINUES = 1u,   /* the volume continues the one before, as of a probe that is held on */
+    SVH_SAME_VOLUME = 2u, /* it is the very one, by another camera or with other values */
+    SVH_TIMED = 4u        /* with the plugin's own clock (smartvis.timing/1), which costs time */
 };
 
 /* What is to be told of a volume with it. */
@@ -280,6 +281,7 @@ typedef struct {
     uint32_t knows_points; /* the method starts from points: */
     float bone_threshold, volume_max;
     uint32_t passes;
+    float reconstruct_ms; /* SVH_TIMED: what the surface took by the plugin's own clock; else 0 */
     uint32_t try_id; /* the parameter that takes the doubtful surface all the same, and its value; 0: none */
     double try_value;
     const char *why; /* why nothing is clipped, or a doubtful surface, for who holds the probe, or "" */

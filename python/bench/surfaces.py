@@ -23,8 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import smartvis
-from smartvis import _abi, _scene
-from smartvis._instance import Instance
+from smartvis import _door, _scene
+from smartvis._active import Active
+from smartvis._seen import Levels
+from smartvis._view import on_grid
 
 sys.path.append(str(Path(__file__).parent / "shared"))
 from tables import Row, add_outputs, save
@@ -114,27 +116,28 @@ def definition(of: Points, variant: Variant) -> NDArray[np.float64]:
 
 def measure(of: Points, variant: Variant, q: float, frames: int, seconds: float) -> dict[str, float]:
     """Times of one variant, and how far its map is from the definition's. RuntimeError: it sees other points."""
-    with Instance(of.volume.shape, buffer=of.volume, q=q, **variant) as instance:
-        result = instance(of.volume)
-        if not result.clips or ((result.status > 0) != (of.status > 0)).any():
-            raise RuntimeError(f"{label(variant)}: {result.outcome}, or other initial points than the definition has")
-        wall, stage = list[float](), list[float]()
-        times = _abi.sized(_abi.sv_stage_times)
-        timing = instance._extension(_abi.SV_EXT_TIMING, _abi.sv_ext_timing)
-        begin = time.perf_counter()
-        for frame in range(WARM_UP + frames):
-            if len(wall) >= LEAST_FRAMES and time.perf_counter() - begin > seconds:
-                break
-            start = time.perf_counter()
-            instance(of.volume)
-            if frame >= WARM_UP or time.perf_counter() - start > seconds / frames:
-                wall.append(1e3 * (time.perf_counter() - start))
-            timing.enable(instance._instance, 1)  # apart from the others: events cost time
-            instance(of.volume)
-            if timing.stage_times(instance._instance, ctypes.byref(times)) == 0:
-                stage.append(times.reconstruct_ms)
-            timing.enable(instance._instance, 0)
-        off = np.abs(result.depth - definition(of, variant))
+    levels = Levels(of.volume, scanned="all")
+    grid = levels.plan()
+    camera = on_grid(of.volume.shape, (1.0, 1.0, 1.0), grid)
+    active = Active(smartvis.load())
+    active.reset({"q": q, **variant})
+    result = active.clip(levels, grid, grid.view, {}, camera)
+    if not result.clips or ((result.status > 0) != (of.status > 0)).any():
+        raise RuntimeError(f"{label(variant)}: {result.outcome}, or other initial points than the definition has")
+    wall, stage = list[float](), list[float]()
+    begin = time.perf_counter()
+    for frame in range(WARM_UP + frames):
+        if len(wall) >= LEAST_FRAMES and time.perf_counter() - begin > seconds:
+            break
+        start = time.perf_counter()
+        active.clip(levels, grid, grid.view, {}, camera)
+        if frame >= WARM_UP or time.perf_counter() - start > seconds / frames:
+            wall.append(1e3 * (time.perf_counter() - start))
+        # Apart from the others: events cost time.
+        active.clip(levels, grid, grid.view, {"flags": _door.NUMBERS["SVH_TIMED"]}, camera)
+        stage.append(active.reconstruct_ms)
+    active.close()
+    off = np.abs(result.depth - definition(of, variant))
     return {
         "frame": float(np.median(wall)),
         "frame_min": min(wall),

@@ -14,13 +14,23 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _abi
-from ._instance import Instance, checked_buffer, checked_probe, checked_shape
+from . import _door
+from ._active import Active, told
 from ._plugin import Plugin, load
 from ._result import Result
 from ._seen import SIDES, Grid, Levels, look_bytes
 from ._view import Camera, Shape, on_grid, rotation_of
-from ._volume import Given, checked_spacing, checked_window, given, question_of_axes, what_was_scanned
+from ._volume import (
+    Given,
+    checked_buffer,
+    checked_probe,
+    checked_shape,
+    checked_spacing,
+    checked_window,
+    given,
+    question_of_axes,
+    what_was_scanned,
+)
 
 _Marks = list[tuple[tuple[float, ...], bool]]
 
@@ -34,43 +44,39 @@ class ClipperCache:
         self._most = most
         self.admit = admit
         self._lock = threading.Lock()
-        self._instances: OrderedDict[Any, Instance] = OrderedDict()
+        self._instances: OrderedDict[Any, Active] = OrderedDict()
 
     def run(
         self,
-        volume: NDArray[np.uint8],
-        spacing: tuple[float, float, float] | None,
-        scanned: NDArray[np.uint16] | None,
+        levels: Levels,
+        grid: Grid,
+        camera: Camera,
         plugin: Plugin,
         parameters: dict[str, object],
         *,
-        gaps: bool = False,
-        same_volume: bool = False,
-        **frame: Any,
+        view: Any,
+        frame: dict[str, Any],
     ) -> Result:
-        """Clips `volume`; the result is the caller's. `gaps`: between the ends of `scanned`, 0 was not scanned. The
-        rest is that of an Instance's call."""
+        """Clips a volume on a grid of it; the result is the caller's. The rest is that of `Active.clip`."""
         known = plugin.parameters
         fixed = {k: v for k, v in parameters.items() if k in known and known[k].fixed}
-        key = (plugin.path, plugin.id, volume.shape, spacing, scanned is not None, gaps, tuple(sorted(fixed.items())))
-        look = look_bytes(volume.shape)
+        key = (plugin.path, plugin.id, grid.shape, grid.box, levels.has_beams, tuple(sorted(fixed.items())))
         with self._lock:
             instance = self._instances.pop(key, None)
-            same_volume = same_volume and instance is not None
             if instance is None:
                 while len(self._instances) >= self._most:
                     self._instances.popitem(last=False)[1].close()
-                how: dict[str, Any] = {"scanned": scanned is not None, "plugin": plugin} | fixed
-                how["padding"] = 0 if gaps or scanned is None else None  # the machine's 0 was not scanned
-                instance = Instance(volume.shape, spacing, admit=lambda needed: self.admit(look, needed), **how)
+                instance = Active(plugin)
+                instance.reset(parameters)
+                self.admit(look_bytes(grid.shape), instance.needs(levels, grid))
             self._instances[key] = instance
-            instance.reset(**parameters)
-            return instance(volume, scanned, same_volume=same_volume, **frame).copy()
+            instance.reset(parameters)
+            return instance.clip(levels, grid, view, frame, camera)
 
     def adjust(self, parameters: dict[str, object]) -> Result:
         """The volume that was clipped last, with other values of adjustable parameters; the result is the caller's."""
         with self._lock:
-            return next(reversed(self._instances.values())).adjust(**parameters).copy()
+            return next(reversed(self._instances.values())).adjust(parameters)
 
     def close(self) -> None:
         """Ends all instances."""
@@ -206,16 +212,20 @@ class Clipper:
         of = given(volume)
         if of.voxels.shape != self._shape:
             raise ValueError(f"the volume has shape {of.voxels.shape}, expected {self._shape}")
-        apart = discontinuity and not same_volume
-        frame = {"time_ns": time_ns, "discontinuity": apart, "same_volume": same_volume}
+        flag = "SVH_SAME_VOLUME" if same_volume else "" if discontinuity else "SVH_CONTINUES"
+        frame = {"time_ns": time_ns, "flags": _door.NUMBERS.get(flag, 0)}
         stated = self._probe if probe is None else probe
         probe = of.said.side if stated is None else _checked_side(stated)
         with self._lock:
             self._check_open()
             look = self._look(of, scanned, self._view if view is None else view, probe)
             self._cache.admit(look_bytes(look.grid.shape), 0)
-            frame |= self._told(look, probe, self._beams if beams is None else beams)
-            return self._finish(look, self._run(look, frame))
+            view = self._told(look, probe, self._beams if beams is None else beams)
+            how = {"view": view, "frame": frame}
+            parameters = dict(self._parameters)
+            return self._finish(
+                look, self._cache.run(look.levels, look.grid, look.camera, self._plugin, parameters, **how)
+            )
 
     def adjust(self, **parameters: object) -> Result:
         """The last volume again with other values of adjustable parameters, such as the surface position."""
@@ -292,26 +302,18 @@ class Clipper:
         beams = levels.beams if probe is None or isinstance(probe, str) else ""
         return _Look(of, levels, grid, camera, spacing is not None, beams)
 
-    def _told(self, look: _Look, probe: Any, beams: Any) -> dict[str, Any]:
-        """What the frame says of the probe and its beams, along the camera's axes."""
+    def _told(self, look: _Look, probe: Any, beams: Any) -> Any:
+        """The view with what the caller says of the probe and its beams, along the camera's axes."""
         measured = probe is not None and not isinstance(probe, str)
-        told = look.camera.rotation @ checked_probe(probe) if measured else look.grid.probe
-        if beams is None:
-            return {"probe": told, "beams": None if measured else look.grid.beams}
-        if not isinstance(beams, str):
+        if not measured and beams is None:
+            return look.grid.view
+        axes = look.camera.rotation @ checked_probe(probe) if measured else look.grid.probe
+        if beams is not None and not isinstance(beams, str):
             apex, sweep = _checked_fan(beams)
             beams = (tuple(look.camera.from_volume_mm(apex)), sweep)
-        elif beams != "parallel":
+        elif beams not in (None, "parallel"):
             raise ValueError(f"beams='{beams}', expected 'parallel', or a fan's (apex, sweep)")
-        return {"probe": told, "beams": beams}
-
-    def _run(self, look: _Look, frame: dict[str, Any]) -> Result:
-        seen, ranges = look.levels.look(look.grid)
-        takes = bool(self._plugin.features & _abi.SV_FEATURE_SCANNED)
-        spacing = look.camera.spacing if look.known else None
-        gaps = takes and look.levels.has_beams
-        ends = ranges if takes else None
-        return self._cache.run(seen, spacing, ends, self._plugin, dict(self._parameters), gaps=gaps, **frame)
+        return told(look.grid.view, axes, beams)
 
     def _finish(self, look: _Look, result: Result) -> Result:
         self._last = look

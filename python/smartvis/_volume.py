@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from . import _images
 from ._seen import Levels
 
+Shape = tuple[int, int, int]
+
 
 @dataclass(frozen=True)
 class Given:
@@ -81,6 +83,29 @@ def checked_spacing(spacing: Any) -> tuple[float, float, float]:
         told = spacing if np.ndim(spacing) == 0 else tuple(spacing)
         raise ValueError(f"spacing={told}, expected (x, y, z): mm between voxels along each axis, 1e-6 .. 1e6")
     return mm[0], mm[1], mm[2]
+
+
+def checked_shape(shape: Sequence[int]) -> Shape:
+    if not isinstance(shape, (Sequence, np.ndarray)):
+        raise TypeError(f"shape={shape!r}: expected slices, height and width, each 1 .. 8192")
+    if len(shape) != 3 or not all(1 <= n <= 8192 and n == int(n) for n in shape):
+        raise ValueError(f"shape={tuple(shape)}: expected slices, height and width, each 1 .. 8192")
+    return int(shape[0]), int(shape[1]), int(shape[2])
+
+
+def checked_probe(probe: Any) -> NDArray[np.float64]:
+    told = np.asarray(probe, np.float64)
+    if told.shape not in ((3, 3), (3,)):
+        raise ValueError(f"probe has shape {told.shape}, expected a rotation (3, 3) or a direction (3,)")
+    return told
+
+
+def checked_buffer(buffer: NDArray[np.uint8] | bool) -> NDArray[np.uint8] | None:
+    if isinstance(buffer, bool):
+        return None
+    if buffer.dtype != np.uint8 or not buffer.flags.c_contiguous:
+        raise ValueError(f"buffer is {buffer.dtype}, expected a C-contiguous array of uint8")
+    return buffer
 
 
 def checked_window(window: Any) -> tuple[float, float] | None:

@@ -112,8 +112,8 @@ def test_beams_are_told_along_the_axes_of_the_volume(volume: np.ndarray) -> None
         for view in ((0, 0, 1), (1, 0, 0)):
             look = clipper._look(smartvis._volume.given(volume), None, view, probe)
             told = clipper._told(look, probe, (apex, 20))
-            index = np.array(told["beams"][0]) / look.camera.spacing
-            assert np.allclose(look.camera.to_volume_mm(index), apex) and told["beams"][1] == 20
+            index = np.array(told.beam_apex_mm) / look.camera.spacing
+            assert np.allclose(look.camera.to_volume_mm(index), apex) and told.beam_sweep_mm == 20
     for wrong in ("fan", ((1, 2), 3), 5):
         with pytest.raises(ValueError, match="beams=.*expected 'parallel', or a fan's"):
             smartvis.clip(volume, (1, 1, 1), probe=probe, beams=wrong)

@@ -234,8 +234,8 @@ static void mistakes_are_named(void **state) {
     door_must_not(svh_clip(clipper, volume, &view, NULL, &result, &told), SVH_USAGE, "call svh_plan first");
     view.from = SVH_FROM_LEFT;
     door_must_not(svh_plan(volume, &view, &told), SVH_INPUT, "no view left");
-    const svh_frame frame = {.size = sizeof frame, .flags = 4};
-    door_must_not(svh_clip(clipper, volume, NULL, &frame, &result, &told), SVH_USAGE, "flags are 0x4");
+    const svh_frame frame = {.size = sizeof frame, .flags = 8};
+    door_must_not(svh_clip(clipper, volume, NULL, &frame, &result, &told), SVH_USAGE, "flags are 0x8");
     door_must_not(svh_clipper_open(host, "/none.so", NULL, &no_clipper, &told), SVH_PLUGIN, "/none.so");
     /* What the plugin refuses comes with its call, status and words, and the next frame is as any. */
     door_must(svh_set_number(clipper, 1, 77.0, &told));
