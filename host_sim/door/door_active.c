@@ -49,11 +49,16 @@ sv_param_value *door_fixed(const svh_clipper *clipper, uint32_t *count, hs_error
     return fixed;
 }
 
+bool door_same(const double *a, const double *b, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (!(a[i] <= b[i] && a[i] >= b[i])) return false;
+    return true;
+}
+
 static bool same_fixed(const svh_clipper *clipper, const sv_param_value *fixed, uint32_t count) {
     if (count != clipper->fixed_count) return false;
     for (uint32_t i = 0; i < count; i++)
-        if (fixed[i].id != clipper->fixed[i].id ||
-            memcmp(&fixed[i].value, &clipper->fixed[i].value, sizeof fixed[i].value) != 0)
+        if (fixed[i].id != clipper->fixed[i].id || !door_same(&fixed[i].value, &clipper->fixed[i].value, 1))
             return false;
     return true;
 }
@@ -62,9 +67,11 @@ static bool same_fixed(const svh_clipper *clipper, const sv_param_value *fixed, 
 static bool is_active_for(const svh_clipper *clipper, const svh_volume *volume, const svh_view *view,
                           const sv_param_value *fixed, uint32_t count) {
     float spacing[3];
+    bool same = true;
     door_spacing(volume, view, spacing);
-    return clipper->clipper && memcmp(clipper->n, view->n, sizeof clipper->n) == 0 &&
-           memcmp(clipper->spacing_mm, spacing, sizeof spacing) == 0 &&
+    for (int a = 0; a < 3; a++)
+        same &= spacing[a] <= clipper->spacing_mm[a] && spacing[a] >= clipper->spacing_mm[a];
+    return clipper->clipper && memcmp(clipper->n, view->n, sizeof clipper->n) == 0 && same &&
            clipper->gaps == (volume->volume.beams != NULL) && same_fixed(clipper, fixed, count);
 }
 

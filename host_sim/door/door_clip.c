@@ -36,13 +36,12 @@ static bool check_frame(const svh_frame *frame, hs_error *err) {
 static hs_frame_facts facts_of(const svh_clipper *clipper, const svh_view *view, const svh_frame *frame,
                                const hs_camera *camera) {
     const bool same = (frame->flags & SVH_SAME_VOLUME) != 0;
-    return (hs_frame_facts){
-        .index = clipper->index,
-        .time_ns = frame->time_ns,
-        .continues = clipper->has_before && (same || frame->flags & SVH_CONTINUES),
-        .same_volume = clipper->has_before && same,
-        .moved = memcmp(camera->rotation, clipper->camera.rotation, sizeof camera->rotation) != 0,
-        .told = door_told(view)};
+    return (hs_frame_facts){.index = clipper->index,
+                            .time_ns = frame->time_ns,
+                            .continues = clipper->has_before && (same || frame->flags & SVH_CONTINUES),
+                            .same_volume = clipper->has_before && same,
+                            .moved = !door_same(camera->rotation, clipper->camera.rotation, 9),
+                            .told = door_told(view)};
 }
 
 static bool ask(svh_clipper *clipper, svh_volume *volume, const svh_view *view, const svh_frame *frame,

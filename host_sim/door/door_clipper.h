@@ -28,6 +28,9 @@ struct svh_clipper {
     char why[HS_REASON_BYTES];
 };
 
+/* True if the numbers are the same; NaN is like none. */
+bool door_same(const double *a, const double *b, size_t count);
+
 /* Makes the plugin active for such volumes, unless it is. What it says against it shows in its first frame.
  */
 bool door_activate(svh_clipper *clipper, svh_volume *volume, const svh_view *view, const hs_camera *camera,
