@@ -44,7 +44,7 @@ class Active:
     def __init__(self, plugin: Plugin) -> None:
         self._plugin = plugin
         self._handle = open_clipper(plugin.path, plugin.id)
-        self.close = weakref.finalize(self, _door.library().svh_clipper_free, self._handle)
+        self.close = weakref.finalize(self, _door.free, "svh_clipper_free", self._handle)
 
     def reset(self, parameters: dict[str, object]) -> None:
         """These values from the next volume on, and the default for every other parameter."""

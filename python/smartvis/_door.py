@@ -137,6 +137,13 @@ def call(name: str, *arguments: Any) -> None:
     raise ValueError(text)
 
 
+def free(name: str, handle: Any) -> None:
+    """Gives an object back, unless it is of the process that this one was forked from: who waits there waits for
+    ever."""
+    if not _runtime.is_forked():
+        getattr(library(), name)(handle)
+
+
 class Failed(Exception):  # it never reaches a user
     """A plugin is to blame: what `_plugin` makes its own errors of."""
 
@@ -173,5 +180,5 @@ def host() -> Any:
             options = sized("svh_options", log=_on_log, program=_guard_program())
             call("svh_open", ctypes.byref(options), ctypes.byref(opened))
             _hosts.append(opened)
-            atexit.register(library().svh_close, opened)  # before it, what was made later goes
+            atexit.register(free, "svh_close", opened)  # before it, what was made later goes
         return _hosts[0]

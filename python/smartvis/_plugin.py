@@ -99,7 +99,7 @@ class Plugin:
             self.guarded = bool(about.guarded)  #: it runs in a process of its own
             self._parameters = {p.key: p for p in _read_parameters(handle, about.parameters)}
         finally:
-            _door.library().svh_clipper_free(handle)
+            _door.free("svh_clipper_free", handle)
 
     def __repr__(self) -> str:
         return f"<Plugin {self.id} {self.version} of {self.path}>"

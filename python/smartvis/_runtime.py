@@ -36,12 +36,17 @@ def open_standard() -> None:
 _used_in: list[int] = []  # the processes in which OpenCL was used, of this one and those it was forked from
 
 
+def is_forked() -> bool:
+    """True if OpenCL was used before this process was forked."""
+    return bool(_used_in) and _used_in[0] != os.getpid()
+
+
 def check_process() -> None:
     """To be called before OpenCL is used. RuntimeError: it was used before this process was forked, and does not
     survive that: whoever waits for its threads waits for ever."""
     if not _used_in:
         _used_in.append(os.getpid())
-    if _used_in[0] != os.getpid():
+    if is_forked():
         raise RuntimeError(
             "smartvis was used before this process was forked, which OpenCL does not survive: start processes with "
             "multiprocessing.get_context('spawn') or 'forkserver'"

@@ -74,7 +74,7 @@ class Levels:
             v.kretz, v.number, v.mirrored = os.fsencode(kretz[0]), kretz[1], int(kretz[2])
         self.handle = ctypes.c_void_p()
         _door.call("svh_volume_take", _door.host(), ctypes.byref(v), ctypes.byref(self.handle))
-        weakref.finalize(self, _door.library().svh_volume_free, self.handle)
+        weakref.finalize(self, _door.free, "svh_volume_free", self.handle)
         self._tell(volume.shape)
 
     def _tell(self, shape: tuple[int, ...]) -> None:
