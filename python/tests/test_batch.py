@@ -198,10 +198,30 @@ def test_workers_that_are_gone_for_good_are_replaced(tmp_path: Path, doomed) -> 
 CRASHES, HOLDS = 77, 88
 TROUBLE = r"""
 #include "smartvis/author.h"
+#include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
+/* Ends the Python that it was called from, which the guard stands before. */
+static void end_host(void) {
+    char path[64], text[4096];
+    for (int pid = getppid(), end; pid > 1; pid = end) {
+        snprintf(path, sizeof path, "/proc/%d/exe", pid);
+        const ssize_t length = readlink(path, text, sizeof text - 1);
+        text[length > 0 ? length : 0] = '\0';
+        if (strstr(text, "python")) {
+            kill(pid, SIGKILL);
+            return;
+        }
+        snprintf(path, sizeof path, "/proc/%d/stat", pid);
+        FILE *file = fopen(path, "r");
+        if (!file || fscanf(file, "%*d (%*[^)]) %*c %d", &end) != 1) return;
+        fclose(file);
+    }
+}
 static sv_status finish(sva *a, float *depth) {
-    if (sva_voxel(a, 0, 0, 0) == 77) __builtin_trap();
+    if (sva_voxel(a, 0, 0, 0) == 77) end_host();
     if (sva_voxel(a, 0, 0, 0) == 88)
         while (access(getenv("SV_HOLD"), F_OK) == 0) usleep(1000);
     for (uint32_t i = 0; i < sva_rays(a); i++) depth[i] = 5.0f;
