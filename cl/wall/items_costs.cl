@@ -118,6 +118,7 @@ static void forward_end(const sv_wall_layout *l, ray_t *r, const layers_t *s) {
     r->fluid = in_front ? 0 : r->run_end;
     r->fluid_end = in_front ? r->run : r->fluid_end;
     if (r->front == r->first) r->front = l->layers;
+    if (r->front == l->layers && r->fetus >= SV_WALL_POSSIBLE) r->front = SV_WALL_NO_FRONT;
     r->in_run = r->touches && r->run_end > r->run ? s->fetus[(r->run_end - 1) * s->pitch] : 0;
 }
 

@@ -111,7 +111,7 @@ __kernel void wall_items_confidence(sv_wall_layout l, __global const uint *restr
         confidence_of(&l, planes[plane_row(&l, PLANE_COST, y) + x], level);
     const size_t plane = block_row(&l, 1, 0);
     rays += block_row(&l, 0, y) + x;
-    const bool own = rays[RAY_FRONT * plane] < l.layers ||
+    const bool own = rays[RAY_FRONT * plane] != l.layers ||
                      rays[RAY_RUN * plane] == rays[RAY_RUN_END * plane] ||
                      is_near_fluid(&l, levels + level_row(&l, 0, y) + x, rays[0], rays[RAY_END * plane], at);
     if (!own) rays[RAY_FRONT * plane] = SV_WALL_NO_OWN_FLUID;

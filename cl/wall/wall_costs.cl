@@ -189,6 +189,9 @@ static void forward_end(const sv_wall_layout *l, rays_t *r, forward_t *w) {
     r->fluid_end = SELECT(r->fluid_end, r->run, in_front);
     r->front = SELECT(r->front, (i16l)((short)l->layers), r->front == r->first);
     r->fetus = (u16l)(SV_WALL_PROBABILITY_ONE)-w->now;
+    const i16l possible = AS_I16(r->fetus >= (u16l)(SV_WALL_POSSIBLE));
+    const i16l no_front = possible & (r->front == (i16l)((short)l->layers));
+    r->front = SELECT(r->front, (i16l)((short)SV_WALL_NO_FRONT), no_front);
 }
 
 /* Loads the levels of both rows in layer z, and looks up the probabilities of tissue a layer ahead: what was

@@ -11,6 +11,7 @@
 
 #define SV_WALL_PROBABILITY_ONE 32768 /* a probability of 1 */
 #define SV_WALL_LIKELY          16384 /* a cell of tissue counts as the fetus from this probability on */
+#define SV_WALL_POSSIBLE        9830  /* 0.3: from this probability of the fetus on a ray keeps its surface */
 #define SV_WALL_COST_ONE        128   /* a cost of 1 */
 #define SV_WALL_FINE_COST_ONE   2048  /* a cost of 1 after the Gaussian */
 #define SV_WALL_PER_MILLE       1000  /* shares and ranks of the settings */

@@ -146,7 +146,7 @@ static void find_own_fluid(const sv_wall_layout *l, __global const uchar *levels
     ROLLED_LOADS
     for (uint i = 1; i < count; i++) ((short *)&at)[i] = (short)places[i];
     const i16l none =
-        tissue & AS_I16(*front >= (u16l)((ushort)l->layers)) & ~are_near_fluid(l, levels, first, end, at);
+        tissue & AS_I16(*front == (u16l)((ushort)l->layers)) & ~are_near_fluid(l, levels, first, end, at);
     *front |= AS_U16(none); /* SV_WALL_NO_OWN_FLUID */
 }
 

@@ -169,9 +169,10 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
     const sv_wall_layout *l = s->layout;
     const size_t rays = (size_t)l->columns * l->rows, count = (size_t)l->cells[0] * l->cells[1] * l->layers;
     ray_facts f;
-    *costs =
-        (sv_wall_costs){.all = calloc(count, sizeof(uint32_t)), .fronts = calloc(rays, sizeof(uint16_t))};
-    if (!costs->all || !costs->fronts || !facts_make(l->layers, &f)) {
+    *costs = (sv_wall_costs){.all = calloc(count, sizeof(uint32_t)),
+                             .fronts = calloc(rays, sizeof(uint16_t)),
+                             .shown = calloc(rays, sizeof(uint16_t))};
+    if (!costs->all || !costs->fronts || !costs->shown || !facts_make(l->layers, &f)) {
         sv_wall_costs_destroy(costs);
         return false;
     }
@@ -185,7 +186,8 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
         const size_t cell = ray / l->columns / 2 * l->cells[0] + ray % l->columns / 2;
         add_ray(l, e->bare, &f, costs->all + cell * l->layers);
         costs->fronts[ray] = find_front(s, ray, &f);
-        costs->fetus += f.cumulative[l->layers - 1];
+        costs->shown[ray] = (uint16_t)f.cumulative[l->layers - 1];
+        costs->fetus += costs->shown[ray];
     }
     for (size_t i = 0; i < count; i++) costs->all[i] = (costs->all[i] + RAYS_OF_CELL / 2) / RAYS_OF_CELL;
     facts_free(&f);
@@ -195,5 +197,6 @@ bool sv_wall_costs_create(const sv_wall_scan *s, const sv_wall_evidence *e, sv_w
 void sv_wall_costs_destroy(sv_wall_costs *costs) {
     free(costs->all);
     free(costs->fronts);
+    free(costs->shown);
     *costs = (sv_wall_costs){0};
 }

@@ -18,10 +18,10 @@ typedef struct {
     uint32_t cell[2], weight[2];
 } rim_pair;
 
-bool sv_wall_has_fluid(const sv_wall_scan *s, size_t ray, float place, uint16_t front) {
+bool sv_wall_has_fluid(const sv_wall_scan *s, size_t ray, float place, uint32_t shown) {
     const sv_wall_layout *l = s->layout;
     const uint32_t end = s->blocks->end[ray], at = (uint32_t)place, reach = l->full_distance;
-    if (front < l->layers || sv_wall_first_run(s, ray).begin == end) return true;
+    if (shown >= SV_WALL_POSSIBLE || sv_wall_first_run(s, ray).begin == end) return true;
     const size_t plane = (size_t)l->columns * l->rows;
     uint32_t dark = 0;
     for (uint32_t z = s->blocks->first[ray]; z < end; z++) {

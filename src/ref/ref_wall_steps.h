@@ -166,6 +166,7 @@ typedef struct {
     uint64_t fetus;   /* sum over the rays of the probability that the fetus is on them */
     uint16_t *fronts; /* of every ray: where the run begins in which the fetus has more likely begun than
                          not; layout->layers: there is none, or no fluid in front of it */
+    uint16_t *shown;  /* of every ray: the probability that the fetus is on it */
 } sv_wall_costs;
 
 bool sv_wall_costs_create(const sv_wall_scan *scan, const sv_wall_evidence *evidence, sv_wall_costs *costs);
@@ -201,10 +202,10 @@ uint32_t sv_wall_cost_at(const sv_wall_layout *layout, const uint32_t *costs, ui
 
 enum { SV_WALL_PLACES = 3 }; /* of a ray: its surface, and the ends of the range that the knob moves it in */
 
-/* True if a ray has fluid of its own at `place`: two blocks within layout->full_distance of it are dark, or
- * the fetus is seen behind fluid, at `front`. What was not scanned, or meets no tissue, is left alone, too.
- */
-bool sv_wall_has_fluid(const sv_wall_scan *scan, size_t ray, float place, uint16_t front);
+/* True if a ray has fluid of its own at `place`: two blocks within layout->full_distance of it are dark. A
+ * ray is left alone, too, if the fetus is on it with a probability `shown` of SV_WALL_POSSIBLE at least, if
+ * it was not scanned, or meets no tissue. */
+bool sv_wall_has_fluid(const sv_wall_scan *scan, size_t ray, float place, uint32_t shown);
 
 /* Moves the surface of the other rays, and the ends of its range, to where those of the rays beside them lie,
  * but not deeper than what costs 1 more than `least`, the ray's minimum in the smoothed `costs`. Lowers their

@@ -147,9 +147,9 @@ static void find_confidence(const sv_wall_scan *s, const float *costs, const flo
     }
 }
 
-static void find_own_fluid(const sv_wall_scan *s, const uint16_t *fronts, const float *places, bool *own) {
+static void find_own_fluid(const sv_wall_scan *s, const uint16_t *shown, const float *places, bool *own) {
     const size_t count = (size_t)s->layout->columns * s->layout->rows;
-    for (size_t ray = 0; ray < count; ray++) own[ray] = sv_wall_has_fluid(s, ray, places[ray], fronts[ray]);
+    for (size_t ray = 0; ray < count; ray++) own[ray] = sv_wall_has_fluid(s, ray, places[ray], shown[ray]);
 }
 
 /* Interpolates the confidence of rays to pixels. The four rounded weights of a pixel may add up to a little
@@ -310,21 +310,21 @@ sv_wall_outcome sv_wall_verdict(const sv_wall_layout *l, const sv_wall_gaps *gap
     return share < gaps->dark * sv_wall_gap_limit(l) ? SV_WALL_DOUBTFUL : SV_WALL_SURFACE;
 }
 
-/* The maps of a surface. `filtered` and `layers` are the planes of rays; `sure` has room for a number a ray.
- * False: no memory. */
-static bool finish(const sv_wall_scan *scan, const uint32_t *costs, const uint16_t *fronts, bool doubtful,
+/* The maps of a surface. `costs`: those `given`, smoothed. `filtered` and `layers` are the planes of rays;
+ * `sure` has room for a number a ray. False: no memory. */
+static bool finish(const sv_wall_scan *scan, const sv_wall_costs *given, const uint32_t *costs, bool doubtful,
                    float *filtered, float *layers, float *sure, float *depth, float *confidence) {
     const sv_wall_layout *l = scan->layout;
     const size_t count = (size_t)l->columns * l->rows;
     bool *const own = malloc(count * sizeof *own);
     if (!own) return false;
     find_confidence(scan, layers + COST * count, filtered + LAYER * count, sure);
-    find_own_fluid(scan, fronts, filtered + LAYER * count, own);
+    find_own_fluid(scan, given->shown, filtered + LAYER * count, own);
     /* of `layers`, only what the surface costs is still needed */
     fill_pits(scan, doubtful, filtered, layers);
     const bool done = sv_wall_go_on(scan, costs, layers + COST * count, own, filtered, sure);
     if (done) {
-        apply_knob(scan, fronts, filtered);
+        apply_knob(scan, given->fronts, filtered);
         interpolate_confidence(l, sure, confidence);
         interpolate(l, filtered + LAYER * count, (float)l->depth, depth);
     }
@@ -352,7 +352,7 @@ bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *leve
         *outcome = told ? *told : sv_wall_verdict(l, gaps, is_seen(scan, given));
         /* a person who asks for it gets a surface all the same */
         if (*outcome == SV_WALL_NO_FLUID && l->clip_doubtful) *outcome = SV_WALL_DOUBTFUL;
-        done = finish(scan, costs, given->fronts, *outcome == SV_WALL_DOUBTFUL, filtered, layers,
+        done = finish(scan, given, costs, *outcome == SV_WALL_DOUBTFUL, filtered, layers,
                       filtered + FILTERED * count, depth, confidence);
     }
     free(costs);

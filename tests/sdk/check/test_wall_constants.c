@@ -259,13 +259,16 @@ typedef struct {
 static void select_surface(row_of_cells *r, const sv_wall_settings *settings) {
     sv_wall_gaps gaps;
     sv_wall_outcome outcome;
-    uint16_t fronts[PIXELS];
+    uint16_t fronts[PIXELS], shown[PIXELS];
     model m;
     make(&m, ACROSS, 1, DEEP, settings);
-    for (uint32_t i = 0; i < PIXELS; i++) fronts[i] = r->front ? r->front : DEEP;
-    assert_true(sv_wall_select_surface(&m.scan, &(sv_wall_levels){.two = true},
-                                       &(sv_wall_costs){.all = &r->cost[0][0], .fronts = fronts}, NULL,
-                                       r->depth, r->confidence, &gaps, &outcome));
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        fronts[i] = r->front ? r->front : DEEP;
+        shown[i] = r->front ? SV_WALL_LIKELY : 0;
+    }
+    const sv_wall_costs costs = {.all = &r->cost[0][0], .fronts = fronts, .shown = shown};
+    assert_true(sv_wall_select_surface(&m.scan, &(sv_wall_levels){.two = true}, &costs, NULL, r->depth,
+                                       r->confidence, &gaps, &outcome));
 }
 
 /* Layer 5 costs nothing, the two behind it a quarter, all others 2. Below 0.5 they weigh 2 : 1 : 1, so the

@@ -4,28 +4,29 @@
 #include "support/wall_model.h"
 
 /* One ray of tissue, with layers from .. to - 1 of a level. */
-static bool has_fluid(uint32_t from, uint32_t to, uint8_t level, float place, uint16_t front) {
+static bool has_fluid(uint32_t from, uint32_t to, uint8_t level, float place, uint32_t shown) {
     model m;
     make(&m, 1, 1, DEEP, NULL);
     fill(&m, m.blocks.relative, 0, 0, DEEP, TISSUE);
     fill(&m, m.blocks.relative, 0, from, to, level);
-    return sv_wall_has_fluid(&m.scan, 0, place, front);
+    return sv_wall_has_fluid(&m.scan, 0, place, shown);
 }
 
 /* Dark is what has at most 0.4 of the threshold, 51 of 128; near is at most 7 mm, four layers. */
 static void two_dark_blocks_near_the_surface_are_its_fluid(void **state) {
-    assert_true(has_fluid(5, 7, 51, 6.0f, DEEP));
-    assert_false(has_fluid(5, 7, 52, 6.0f, DEEP));
-    assert_false(has_fluid(5, 6, 0, 6.0f, DEEP));
-    assert_true(has_fluid(5, 7, 0, 9.9f, DEEP));
-    assert_false(has_fluid(5, 7, 0, 10.0f, DEEP));
-    assert_true(has_fluid(5, 7, 0, 2.0f, DEEP));
-    assert_false(has_fluid(5, 7, 0, 1.9f, DEEP));
+    assert_true(has_fluid(5, 7, 51, 6.0f, 0));
+    assert_false(has_fluid(5, 7, 52, 6.0f, 0));
+    assert_false(has_fluid(5, 6, 0, 6.0f, 0));
+    assert_true(has_fluid(5, 7, 0, 9.9f, 0));
+    assert_false(has_fluid(5, 7, 0, 10.0f, 0));
+    assert_true(has_fluid(5, 7, 0, 2.0f, 0));
+    assert_false(has_fluid(5, 7, 0, 1.9f, 0));
 }
 
 static void a_ray_with_a_fetus_or_without_tissue_is_left_alone(void **state) {
-    assert_true(has_fluid(0, 0, 0, 6.0f, DEEP - 1));
-    assert_true(has_fluid(0, DEEP, 100, 6.0f, DEEP));
+    assert_true(has_fluid(0, 0, 0, 6.0f, 9830)); /* 0.3 of 32768 */
+    assert_false(has_fluid(0, 0, 0, 6.0f, 9829));
+    assert_true(has_fluid(0, DEEP, 100, 6.0f, 0));
 }
 
 /* Rays of cells in a row, whose surfaces go on. */
