@@ -139,7 +139,7 @@ __kernel void wall_items_knob(sv_wall_layout l, __global const uint *restrict in
     const float end = planes[plane_row(&l, l.q < 0.5f ? PLANE_MEDIAN_FAR : PLANE_MEDIAN_NEAR, y) + x];
     float at = fmax(place + part * (end - place), 0.0f);
     if (rays[block_row(&l, RAY_FRONT, y) + x] == SV_WALL_NO_OWN_FLUID)
-        at = go_on(&l, fine, rim, planes, x, y, part);
+        at = go_on(&l, levels, rays, fine, rim, planes, x, y, part);
     planes[plane_row(&l, PLANE_SURFACE, y) + x] = move_back(&l, levels, rays, x, y, at);
 }
 

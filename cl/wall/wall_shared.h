@@ -27,7 +27,6 @@
 #define SV_WALL_NEAR_FIELD      5 /* one ray of so many must begin with a few dark layers: they are no fluid */
 #define SV_WALL_OWN_FLUID       2   /* so many dark blocks near a ray's surface: it has fluid of its own */
 #define SV_WALL_PLACE_ONE       256 /* of a layer, where a surface goes on from its rim */
-#define SV_WALL_RIM_SURE        256 /* a ray has fluid of its own; what goes on from it is less sure */
 #define SV_WALL_MAX_NEIGHBOUR   64  /* rays or cells to a neighbour, at most */
 #define SV_WALL_MAX_WINDOW      7   /* cells to either side that tell what is bright, at most: the sums and */
 #define SV_WALL_MAX_LAYERS      8   /* counts of a window's layer have 22 and 10 bits, all sums have 24 */

@@ -201,7 +201,7 @@ __kernel void wall_knob(sv_wall_layout l, __global const uint *restrict info,
     ROLLED_LOADS
     for (uint x = 0; x < l.columns; x++) {
         const bool own = rays[block_row(&l, RAY_FRONT, y) + x] != SV_WALL_NO_OWN_FLUID;
-        const float place = own ? surface[x] : go_on(&l, fine, rim, planes, x, y, part);
+        const float place = own ? surface[x] : go_on(&l, levels, rays, fine, rim, planes, x, y, part);
         surface[x] = move_back(&l, levels, rays, x, y, place);
     }
 }

@@ -10,7 +10,7 @@
 /* A cell of a grid; a ray in the finest one. */
 typedef struct {
     uint32_t place[SV_WALL_PLACES]; /* in units of 1 / SV_WALL_PLACE_ONE layers */
-    uint32_t sure;                  /* SV_WALL_RIM_SURE: it is known; less: it was told; 0: nobody knows */
+    uint32_t known;                 /* 1: by its rays, or told by others; 0: nobody knows */
 } rim_cell;
 
 /* Which cells of a coarser grid lie around cell `at` of `count` along an axis, and their weights, of 4. */
@@ -34,17 +34,17 @@ bool sv_wall_has_fluid(const sv_wall_scan *s, size_t ray, float place, uint32_t 
 /* Tells a cell of half as wide a grid the mean of those it covers that are known. Where the number of cells
  * is odd, the cells overlap, so that a mirrored grid is told the same. `least`: so many must be known. */
 static rim_cell mean_of(const rim_cell *fine, const uint32_t n[2], uint32_t least, uint32_t x, uint32_t y) {
-    rim_cell mean = {.sure = 0};
+    rim_cell mean = {.known = 0};
     uint32_t known = 0;
     for (uint32_t v = 2 * y - (y > 0 && n[1] % 2); v < 2 * y + 2 && v < n[1]; v++)
         for (uint32_t u = 2 * x - (x > 0 && n[0] % 2); u < 2 * x + 2 && u < n[0]; u++) {
             const rim_cell *cell = &fine[(size_t)v * n[0] + u];
-            if (!cell->sure) continue;
+            if (!cell->known) continue;
             known++;
             for (int i = 0; i < SV_WALL_PLACES; i++) mean.place[i] += cell->place[i];
         }
     for (int i = 0; known && i < SV_WALL_PLACES; i++) mean.place[i] = (mean.place[i] + known / 2) / known;
-    mean.sure = known >= least ? SV_WALL_RIM_SURE : 0;
+    mean.known = known >= least;
     return mean;
 }
 
@@ -55,20 +55,17 @@ static rim_pair around(uint32_t at, uint32_t count) {
     return (rim_pair){{own, beside}, {3, 1}};
 }
 
-/* What a coarser grid tells a cell: linear between the four cells around it, rounded half up. The farther
- * away is what is known, the coarser the grid, and the less sure it is. */
+/* What a coarser grid tells a cell: linear between the four cells around it, rounded half up. These are all
+ * known, or none is. */
 static rim_cell told_by(const rim_cell *coarse, const uint32_t n[2], uint32_t x, uint32_t y) {
     const rim_pair u = around(x, n[0]), v = around(y, n[1]);
-    rim_cell told = {.sure = 0};
+    rim_cell told = {.known = coarse[0].known};
     for (int k = 0; k < 4; k++) {
         const rim_cell *cell = &coarse[(size_t)v.cell[k / 2] * ((n[0] + 1) / 2) + u.cell[k % 2]];
         const uint32_t weight = v.weight[k / 2] * u.weight[k % 2];
         for (int i = 0; i < SV_WALL_PLACES; i++) told.place[i] += weight * cell->place[i];
-        told.sure += weight * cell->sure;
     }
     for (int i = 0; i < SV_WALL_PLACES; i++) told.place[i] = (told.place[i] + 8) / 16;
-    told.sure = (told.sure + 8) / 16;
-    told.sure -= told.sure / 4;
     return told;
 }
 
@@ -83,7 +80,7 @@ static void tell(rim_cell *fine, const uint32_t n[2], uint32_t least) {
     for (uint32_t y = 0; y < n[1]; y++)
         for (uint32_t x = 0; x < n[0]; x++) {
             rim_cell *const cell = &fine[(size_t)y * n[0] + x];
-            if (!cell->sure) *cell = told_by(coarse, n, x, y);
+            if (!cell->known) *cell = told_by(coarse, n, x, y);
         }
 }
 
@@ -98,6 +95,22 @@ static uint32_t deepest(const sv_wall_layout *l, const uint32_t *costs, size_t r
     return z;
 }
 
+/* How sure a surface is that has gone on to `place`: by what it costs there, and less, the more tissue it
+ * leaves in front of it. */
+static float confidence_at(const sv_wall_scan *s, const uint32_t *costs, size_t ray, float place) {
+    const sv_wall_layout *l = s->layout;
+    const size_t plane = (size_t)l->columns * l->rows;
+    const uint32_t at = (uint32_t)place;
+    const uint32_t cost =
+        sv_wall_cost_at(l, costs, (uint32_t)(ray % l->columns), (uint32_t)(ray / l->columns), at);
+    uint32_t tissue = 0;
+    for (uint32_t z = s->blocks->first[ray]; z < at; z++) tissue += sv_wall_is_tissue(s, ray, z);
+    const float part = (float)tissue / (float)(2 * l->full_distance);
+    return sv_wall_confidence(l, (float)cost / SV_WALL_FINE_COST_ONE,
+                              (float)s->blocks->relative[at * plane + ray] / SV_WALL_TISSUE) /
+           (1.0f + part * part);
+}
+
 bool sv_wall_go_on(const sv_wall_scan *s, const uint32_t *costs, const float *least, const bool *own,
                    float *places, float *confidence) {
     const sv_wall_layout *l = s->layout;
@@ -106,13 +119,13 @@ bool sv_wall_go_on(const sv_wall_scan *s, const uint32_t *costs, const float *le
     rim_cell *const cells = calloc(sv_wall_pyramid_cells(n[0], n[1]), sizeof *cells);
     if (!cells) return false;
     for (size_t ray = 0; ray < count; ray++) {
-        cells[ray].sure = own[ray] && s->blocks->first[ray] < s->blocks->end[ray] ? SV_WALL_RIM_SURE : 0;
+        cells[ray].known = own[ray] && s->blocks->first[ray] < s->blocks->end[ray];
         for (size_t i = 0; i < SV_WALL_PLACES; i++)
             cells[ray].place[i] = (uint32_t)(places[i * count + ray] * SV_WALL_PLACE_ONE + 0.5f);
     }
     tell(cells, n, SV_WALL_MAJORITY);
     for (size_t ray = 0; ray < count; ray++) {
-        if (own[ray] || !cells[ray].sure) continue;
+        if (own[ray] || !cells[ray].known) continue;
         const uint32_t from = (uint32_t)places[SV_WALL_PLACES / 2 * count + ray];
         const uint32_t to = cells[ray].place[SV_WALL_PLACES / 2] / SV_WALL_PLACE_ONE;
         const float most = (float)deepest(l, costs, ray, least[ray], from, to);
@@ -120,7 +133,7 @@ bool sv_wall_go_on(const sv_wall_scan *s, const uint32_t *costs, const float *le
             float *const place = &places[i * count + ray];
             *place = fminf((float)cells[ray].place[i] / SV_WALL_PLACE_ONE, most > *place ? most : *place);
         }
-        confidence[ray] = l->doubtful_confidence * ((float)cells[ray].sure / SV_WALL_RIM_SURE);
+        confidence[ray] = confidence_at(s, costs, ray, places[SV_WALL_PLACES / 2 * count + ray]);
     }
     free(cells);
     return true;

@@ -208,8 +208,9 @@ enum { SV_WALL_PLACES = 3 }; /* of a ray: its surface, and the ends of the range
 bool sv_wall_has_fluid(const sv_wall_scan *scan, size_t ray, float place, uint32_t shown);
 
 /* Moves the surface of the other rays, and the ends of its range, to where those of the rays beside them lie,
- * but not deeper than what costs 1 more than `least`, the ray's minimum in the smoothed `costs`. Lowers their
- * confidence. If no ray has fluid of its own, nothing is moved. False: no memory. */
+ * but not deeper than what costs 1 more than `least`, the ray's minimum in the smoothed `costs`. Their
+ * confidence is that of where they lie then. If no ray has fluid of its own, nothing is moved. False: no
+ * memory. */
 bool sv_wall_go_on(const sv_wall_scan *scan, const uint32_t *costs, const float *least, const bool *own,
                    float *places, float *confidence);
 
