@@ -150,7 +150,7 @@ __kernel void wall_items_upsample(sv_wall_layout l, __global const uint *restric
     const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
     if (x >= l.width) return;
     const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
-    const float most = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f;
+    const float most = most_confidence(&l, info);
     const pair_t u = pair_of(between(x, l.width, l.columns), l.width, l.columns);
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     const float depth = (float)l.depth * interpolate(&l, planes + plane_row(&l, PLANE_SURFACE, 0), u, v);

@@ -229,7 +229,7 @@ __kernel void wall_upsample(sv_wall_layout l, __global const uint *restrict info
                             ulong first, __global float *restrict depths) {
     const uint y = (uint)get_global_id(0);
     const bool wanted = info[SV_WALL_INFO_OUTCOME] == SV_WALL_SURFACE;
-    const float most = info[SV_WALL_INFO_DOUBTFUL] ? l.doubtful_confidence : 1.0f;
+    const float most = most_confidence(&l, info);
     const pair_t v = pair_of(between(y, l.height, l.rows), l.height, l.rows);
     between_t at = between(0, l.width, l.columns);
     __global const float *surface = planes + plane_row(&l, PLANE_SURFACE, 0);

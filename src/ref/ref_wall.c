@@ -56,9 +56,12 @@ static void clip_nothing(const sv_wall_layout *l, float *depth, float *confidenc
     memset(confidence, 0, plane * sizeof *confidence);
 }
 
-/* Clips where the surface is doubtful, but with less confidence; rays keep their order. */
-static void lower_confidence(const sv_wall_layout *l, float *confidence) {
-    for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] *= l->doubtful_confidence;
+/* Less than half of the dark before the fetus, or a doubtful surface: less confidence for all rays, which
+ * keep their order. `share`: of the dark blocks in gaps, of 1000. */
+static void lower_confidence(const sv_wall_layout *l, bool doubtful, uint32_t share, float *confidence) {
+    const float clear = (float)share / (float)(SV_WALL_PER_MILLE / 2);
+    const float most = doubtful ? l->doubtful_confidence : fminf(clear, 1.0f);
+    for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] = most * confidence[i];
 }
 
 /* Costs the layers and selects the surface, unless the beams say that there is none. `told`: what they say,
@@ -76,7 +79,11 @@ static bool cost_and_select(const sv_wall_scan *scan, const sv_wall_levels *leve
     if (!told || told->outcome == SV_WALL_SURFACE || told->outcome == SV_WALL_DOUBTFUL) {
         done = sv_wall_select_surface(scan, levels, &costs, told ? &told->outcome : NULL, depth, confidence,
                                       &gaps, outcome);
-        if (done && *outcome == SV_WALL_DOUBTFUL) lower_confidence(l, confidence);
+    }
+    facts->share = gaps.dark ? (uint32_t)(gaps.in_gaps * SV_WALL_PER_MILLE / gaps.dark) : 0;
+    if (done) {
+        const bool doubtful = *outcome == SV_WALL_DOUBTFUL;
+        lower_confidence(l, doubtful, told ? told->share : facts->share, confidence);
     }
     facts->wanted = (double)(*outcome == SV_WALL_NO_FETUS ? sv_wall_fetus_limit(l) : sv_wall_gap_limit(l)) /
                     SV_WALL_PER_MILLE;
@@ -146,6 +153,7 @@ static bool ask_beams(const sv_wall_blocks *camera, sv_wall_told *told, sv_wall_
     bool done = maps && sv_wall_gather(camera, told->grid, l, &blocks);
     if (done) {
         done = surface_of_blocks(l, &blocks, NULL, maps, maps + count, &told->outcome, facts);
+        told->share = facts->share;
         if (done && told->outcome != SV_WALL_EMPTY)
             done = (told->limbs = sv_wall_limbs_of(l, &blocks)) != NULL;
         sv_wall_blocks_destroy(&blocks);

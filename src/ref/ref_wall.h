@@ -14,6 +14,7 @@
 typedef struct {
     uint32_t threshold;  /* largest grey level of the dark class */
     double gap_share;    /* of the dark blocks, the share in the gaps that the surface lies in */
+    uint32_t share;      /* the same, of 1000 */
     uint32_t rays;       /* scanned rays of blocks */
     uint32_t wall_rays;  /* of these, rays that begin in tissue and have fluid behind it */
     double wall, spread; /* brightness of the wall, grey levels; its spread, ln of the odds */

@@ -47,6 +47,7 @@ uint8_t *sv_wall_limbs_of(const sv_wall_layout *layout, const sv_wall_blocks *bl
 /* What the beams say. */
 typedef struct {
     sv_wall_outcome outcome;
+    uint32_t share; /* of the dark blocks in gaps, of 1000 */
     const sv_wall_grid *grid;
     const sv_wall_layout *layout; /* the grid's */
     uint8_t *limbs;               /* NULL: none were looked for */
