@@ -58,14 +58,16 @@ class Soak(threading.Thread):
 
     def run(self):
         due = 0.0
-        try:
-            for done, pid in self.work(self.options):
-                if done >= due:
-                    self.rows.append((done, *held(pid)))
-                    due += 1 / SAMPLES
-        except Exception as failure:  # noqa: BLE001, every one is told in the end
-            self.failure = failure
-        (self.options.out / f"{self.name}.csv").write_text("".join(["done,MiB,threads,descriptors\n"] + [f"{a:.4f},{b:.1f},{c},{d}\n" for a, b, c, d in self.rows]))
+        with (self.options.out / f"{self.name}.csv").open("w", buffering=1) as table:  # a line as it comes: it is seen on the way
+            table.write("done,MiB,threads,descriptors\n")
+            try:
+                for done, pid in self.work(self.options):
+                    if done >= due:
+                        self.rows.append((done, *held(pid)))
+                        table.write("{:.4f},{:.1f},{},{}\n".format(*self.rows[-1]))
+                        due += 1 / SAMPLES
+            except Exception as failure:  # noqa: BLE001, every one is told in the end
+                self.failure = failure
 
     def verdict(self):
         """What grows, or broke, as sentences."""
