@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """mutate.py: does a test notice?
 
-Makes small changes at random places of the sources in C, OpenCL C and Python, not of headers or pages, one at a time, in a copy of what
-is committed. Builds each, runs the tests that should notice, and prints the survivors: changes that no test noticed. A survivor is a test
+Makes small changes at random places of the sources in C, OpenCL C and Python, of headers only in those that authors include, one at a
+time, in a copy of what is committed. Builds each, runs the tests that should notice, and prints the survivors: changes that no test noticed. A survivor is a test
 to write, or a line that nothing needs, or a change that means the same; a person decides. Exit code 0 also with survivors, 1 if the
 unchanged sources do not build, 2 for a wrong command line.
 """
@@ -30,21 +30,23 @@ CHANGES = [
 # Where a source lies, and the tests that should notice, as a regular expression of CTest; the first that fits counts.
 TESTS = [
     (r"python", r"^python/"),
+    (r"include/smartvis/author", r"test_(author|programs|quick_programs|plugin|frame_path|devices)"),
+    (r"include", r"test_(guarded|layer|author|needs|devices|loader|examples)"),
     (r"sdk/(rules|layer)", r"test_layer|validate_cli"),
     (r"sdk/(record|replay)", r"test_re(cording|play)|replay_recording"),
     (r"sdk", r"validate/|test_(recording|formats|plugin_slabs)$"),
     (r"host_sim/console", r"console|replay_console"),
     (r"lab/judge", r"golden/test_sites|test_wall_(invariance|tilt)"),
     (r"lab", r"test_(eval|box)|golden/test_(report|demo|measure)"),
-    (r"wall", r"test_wall($|_answer|_constants|_definition|_fluid)|test_confidence$"),
+    (r"wall", r"test_wall($|_answer|_beams|_constants|_definition|_fluid|_limbs|_rim)$|test_confidence$"),
     (r"cl/(profile|common|mean|chain|minimum)|src/ref|src/quantise", r"test_(profile|mean|formats|scanned|method|box)"),
     (r"spline|grid", r"test_(spline|method)"),
     (r"src/(method|frame|device)", r"test_(method|mean|cl_faults|plugin|frame_path|formats|confidence)"),
     (r"src/abi", r"contract/|test_plugin|test_cl_faults|test_layout|test_settings"),
-    (r"host_sim/volume", r"test_(metaimage|kretz|volume|beams|pose|hostile|files)|replay_(metaimage|kretz)"),
+    (r"host_sim/volume", r"test_(metaimage|kretz|volume|beams|fan_fit|levels|pose|spacing|unscanned|hostile|files)|replay_(metaimage|kretz)"),
     (r"host_sim/scene", r"test_scene|test_handover|replay_scene|golden/test_scenes"),
     (r"host_sim/render", r"test_(dvr|lit|scan|camera|host_launch|loop)"),
-    (r"base/(guard|guarded|plugin)", r"test_(child|guarded|loader|loop)"),
+    (r"base/(guard|guarded|plugin)", r"test_(child|guard|loader|loop)"),
     (r"host_sim/loop", r"test_(loop|files|metaimage_loop|confidence|slices)|golden/"),
     (r"host_sim/(picture|result)|host_sim/show", r"test_(picture|slices|result|loop)|golden/"),
     (r"base|host_sim", r"test_(cli|text|output_file|loop)|golden/test_(demo|scenes)"),
@@ -66,8 +68,9 @@ def places(tree: Path) -> list[tuple[Path, int, int, str, str]]:
     # Comments, texts and directives become blanks of the same length.
     text_of_c = r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|^[ \t]*#(?:[^\n]*\\\n)*[^\n]*|^static_assert[^;]*;'
     text_of_python = r'""".*?"""|"(?:\\.|[^"\\\n])*"|#[^\n]*'
-    for top in ("src", "cl", "base", "sdk", "host_sim", "lab", "python/smartvis"):
-        for path in sorted(p for p in (tree / top).rglob("*") if p.suffix in {".c", ".cl", ".clh", ".py"}):
+    for top in ("src", "cl", "base", "sdk", "host_sim", "lab", "python/smartvis", "include/smartvis"):
+        kinds = {".h"} if top == "include/smartvis" else {".c", ".cl", ".clh", ".py"}
+        for path in sorted(p for p in (tree / top).rglob("*") if p.suffix in kinds):
             if re.search(r"lab/bench|windows|_pe\.c$", str(path)):  # these measure, or are of another system
                 continue
             text = path.read_text()
