@@ -71,16 +71,17 @@ __kernel void wall_between(sv_wall_layout l, __global const uint *restrict info,
                            __global const uchar *restrict relative, __global const ushort *restrict rays,
                            __global ulong *restrict limbs) {
     const uint row = (uint)get_global_id(0);
-    const bool wanted = info[SV_WALL_INFO_OUTCOME] != SV_WALL_EMPTY;
+    /* A mask: LLVM 21, of PoCL 7.1, compiles a loop for each case, and one of them does not end. */
+    const ulong wanted = info[SV_WALL_INFO_OUTCOME] != SV_WALL_EMPTY ? ~0UL : 0;
     __global ulong *const tissue = limbs + limb_column(&l, LIMBS_TISSUE, row);
     __global ulong *const source = limbs + limb_column(&l, LIMBS_SOURCE, row);
     __global ulong *const between = limbs + limb_column(&l, LIMBS, row);
     ulong wall = ~0UL, behind = 0;
     for (uint z = 0; z < l.layers; z++) {
-        const bits_t b = wanted ? bits_of(&l, relative, rays, z, row) : (bits_t){0, 0, 0};
+        const bits_t b = bits_of(&l, relative, rays, z, row);
         wall &= ~b.dark;
-        tissue[z] = b.tissue;
-        source[z] = (b.tissue & wall) | ~b.scanned;
+        tissue[z] = b.tissue & wanted;
+        source[z] = (b.tissue & wall) | ~(b.scanned & wanted);
     }
     for (uint z = l.layers; z-- > 0;) {
         behind |= ~(tissue[z] | source[z]);
