@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { INPUTS = 20 };
+enum { INPUTS = 19 };
 
 struct hs_fit {
     double inputs[INPUTS]; /* what the fit reads beside the points; with the same, it comes to the same */
@@ -23,7 +23,6 @@ static void inputs_of(const hs_volume *v, const border *b, double out[INPUTS]) {
     out[16] = b->count;
     out[17] = v->spacing_unsaid;
     out[18] = hs_pose_is_mirrored(&v->pose);
-    out[19] = b->close;
 }
 
 static bool alike(const double *a, const double *b, size_t count) {

@@ -101,6 +101,25 @@ static void what_is_stated_counts(void **state) {
     hs_volume_free(&copy);
 }
 
+static void say_as_before(hs_volume *v, const hs_volume *before) {
+    v->probe = before->probe;
+    memcpy(v->probe_turn, before->probe_turn, sizeof v->probe_turn);
+    v->pose = before->pose;
+    v->spacing_unsaid = before->spacing_unsaid;
+}
+
+/* Takes some voxels from the middle of the far side, which the outline along the other axes does not show. */
+static void dent(hs_volume *v) {
+    const size_t plane = (size_t)v->nx * v->ny;
+    for (uint32_t y = v->ny * 2 / 5; y < v->ny * 3 / 5; y++)
+        for (uint32_t x = v->nx * 2 / 5; x < v->nx * 3 / 5; x++) {
+            uint8_t *const column = v->voxels + (size_t)y * v->nx + x;
+            uint32_t end = v->nz;
+            while (end > 0 && column[(end - 1) * plane] == 0) end--;
+            for (uint32_t i = 0; i < 4 && end > 0; i++) column[--end * plane] = 0;
+        }
+}
+
 /* As a scanner keeps what it knows of its probe: of the same outline a fit is kept, with all its bits. */
 static void a_fit_is_kept(void **state) {
     double apex[3];
@@ -110,8 +129,7 @@ static void a_fit_is_kept(void **state) {
     assert_true(hs_volume_find_beams(&v, &fits));
     const hs_volume first = v;
     for (size_t i = 0; i < hs_volume_count(&v); i++) v.voxels[i] = v.voxels[i] ? 77 : 0; /* the next volume */
-    v.probe = unknown.probe;
-    memcpy(v.probe_turn, unknown.probe_turn, sizeof v.probe_turn);
+    say_as_before(&v, &unknown);
     assert_false(hs_volume_find_beams(&v, &fits));
     assert_true(v.course.kind == HS_BEAMS_FAN && v.probe == HS_PROBE_LOW_Y);
     assert_memory_equal(&v.course, &first.course, sizeof v.course);
@@ -121,6 +139,17 @@ static void a_fit_is_kept(void **state) {
                            HS_PROBE_LOW_Z); /* other words on the probe, another spacing, another outline */
     assert_true(hs_volume_find_beams(&v, &fits));
     v.spacing[2] *= 1.01;
+    assert_true(hs_volume_find_beams(&v, &fits));
+    const hs_volume known = v;
+    assert_false(hs_volume_find_beams(&v, &fits));
+    v.pose.direction[0] = -1.0; /* mirrored */
+    assert_true(hs_volume_find_beams(&v, &fits));
+    say_as_before(&v, &known);
+    v.spacing_unsaid = true;
+    assert_true(hs_volume_find_beams(&v, &fits));
+    say_as_before(&v, &known); /* of which the fit is kept, too */
+    assert_false(hs_volume_find_beams(&v, &fits));
+    dent(&v);
     assert_true(hs_volume_find_beams(&v, &fits));
     memset(v.voxels, 0, (size_t)v.nx * v.ny * (v.nz / 2));
     assert_true(hs_volume_find_beams(&v, &fits));
