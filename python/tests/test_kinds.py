@@ -5,6 +5,7 @@ sentence. test_doors has it at every door."""
 import itertools
 import locale
 import os
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -222,3 +223,56 @@ def test_pages_that_never_end_are_noticed(tmp_path: Path, scan: np.ndarray) -> N
         assert pages == [page.offset for page in tifffile.TiffFile(tmp_path / "scan.tif").pages]
         assert not _content.in_circle(pages) and _content.in_circle([*pages, pages[-1]])
         assert _content.in_circle(itertools.cycle(pages))
+
+
+@pytest.mark.parametrize("order", "<>")
+def test_a_header_beside_its_voxels_tells_what_they_are(tmp_path: Path, order: str) -> None:
+    for size, at, mark, words in (
+        (348, 344, b"ni1", ""),
+        (348, 344, b"\0\0\0", "Analyze 7.5"),
+        (540, 4, b"ni2", "NIfTI-2"),
+    ):
+        head = bytearray(600)
+        struct.pack_into(f"{order}i", head, 0, size)
+        head[at : at + 3] = mark
+        (tmp_path / "scan.hdr").write_bytes(head)
+        (tmp_path / "scan.img").write_bytes(bytes(8))
+        for path in (tmp_path / "scan.hdr", tmp_path / "scan.img"):
+            if words:
+                with pytest.raises(FileError, match=words):
+                    _content.check(path)
+            else:
+                _content.check(path)
+
+
+@pytest.mark.parametrize(
+    ("rest", "words"),
+    [
+        ("dataset structured_points\npoint_data 8\nscalars v unsigned_char\n", ""),
+        ("dataset structured_points\ncell_data 8\nscalars v unsigned_char\n", "belong to cells"),
+        ("dataset structured_points\npoint_data 8\nfield v 1\n", "in a FIELD"),
+        ("dataset polydata\n", "its dataset is polydata"),
+    ],
+)
+def test_words_of_vtk_may_be_small(tmp_path: Path, rest: str, words: str) -> None:
+    path = tmp_path / "scan.vtk"
+    path.write_text(f"# vtk DataFile Version 3.0\nscan\nBINARY\n{rest}")
+    if words:
+        with pytest.raises(FileError, match=words):
+            _content.check(path)
+    else:
+        _content.check(path)
+
+
+@pytest.mark.parametrize("order", "<>")
+@pytest.mark.parametrize("large", [False, True])
+def test_a_page_that_follows_itself_is_a_circle(tmp_path: Path, order: str, large: bool) -> None:
+    """Of TIFF and BigTIFF, of either byte order."""
+    place, count = (f"{order}Q", f"{order}Q") if large else (f"{order}I", f"{order}H")
+    head = b"II" if order == "<" else b"MM"
+    head += struct.pack(f"{order}HHH", 43, 8, 0) if large else struct.pack(f"{order}H", 42)
+    at = len(head) + struct.calcsize(place)
+    path = tmp_path / "scan.tif"
+    path.write_bytes(head + struct.pack(place, at) + struct.pack(count, 0) + struct.pack(place, at))
+    with pytest.raises(FileError, match="in a circle"):
+        _content.check(path)
