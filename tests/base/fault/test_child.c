@@ -332,6 +332,23 @@ static int echo(intptr_t channel, int value) {
     return core.rlim_max == 0 ? 5 : 6;
 }
 
+/* Also where its first process only looks after the one that works. */
+static void a_signal_to_it_reaches_what_works(void **state) {
+    hs_child child;
+    const hs_child_limits none = {0};
+    char sentence[128];
+    int number = 7;
+    start(&child, &none, echo, 0);
+    assert_true(hs_child_send(child.channel, &number, sizeof number));
+    assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_MESSAGE);
+    assert_true(hs_child_receive(child.channel, &number, sizeof number)); /* it works */
+    assert_int_equal(kill((pid_t)child.process, SIGTERM), 0);
+    assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_ENDED);
+    hs_child_tell(&child.end, sentence, sizeof sentence);
+    assert_string_equal(sentence, "crashed: SIGTERM");
+    hs_child_close(&child);
+}
+
 static void messages_travel_whole(void **state) {
     hs_child child;
     const hs_child_limits none = {0};
@@ -394,6 +411,6 @@ static void a_program_that_is_not_there(void **state) {
 
 UNIT_MAIN(NULL, NULL, each_end_has_its_sentence, a_hanging_child_is_ended_in_time,
           what_it_started_ends_with_it, all_of_it_dies_with_its_parent, the_thread_that_started_it_may_end,
-          few_descriptors_are_enough, other_arguments_stay, messages_travel_whole,
-          a_program_gets_what_is_passed, a_program_that_is_not_there, nobody_else_is_ended,
-          what_it_prints_is_bounded)
+          few_descriptors_are_enough, other_arguments_stay, a_signal_to_it_reaches_what_works,
+          messages_travel_whole, a_program_gets_what_is_passed, a_program_that_is_not_there,
+          nobody_else_is_ended, what_it_prints_is_bounded)
