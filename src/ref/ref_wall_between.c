@@ -16,3 +16,8 @@ uint32_t sv_wall_cost_at(const sv_wall_layout *l, const uint32_t *costs, uint32_
     const uint32_t down = costs[beside_y + own_x + z], both = costs[beside_y + beside_x + z];
     return (9 * own + 3 * (across + down) + both + 8) / 16;
 }
+
+float sv_wall_confidence(const sv_wall_layout *l, float cost, float level) {
+    const float ratio = (cost + level * level) / l->half_confidence_cost;
+    return 1.0f / (1.0f + ratio * ratio);
+}

@@ -183,21 +183,21 @@ typedef struct {
     uint64_t rays, open; /* scanned rays, and those whose scan begins in the fluid */
 } sv_wall_gaps;
 
-/* How sure a surface is that costs so much, in a layer of that level relative to the threshold, 1. */
-float sv_wall_confidence(const sv_wall_layout *layout, float cost, float level);
-
 /* Writes the maps of depth and confidence. `told`: the outcome, or NULL: the gaps tell it, and `costs`
  * whether the fetus is seen. */
 bool sv_wall_select_surface(const sv_wall_scan *scan, const sv_wall_levels *levels,
                             const sv_wall_costs *costs, const sv_wall_outcome *told, float *depth,
                             float *confidence, sv_wall_gaps *gaps, sv_wall_outcome *outcome);
 
-/* ---- between the cells (ref_wall_between.c) */
+/* ---- what a surface costs, and how sure that makes it (ref_wall_between.c) */
 
 /* What a ray pays at a layer, in units of 1 / SV_WALL_FINE_COST_ONE: linear between the smoothed costs of the
  * four cells around it, rounded half up. A ray lies a quarter of a cell from the middle of its own cell. */
 uint32_t sv_wall_cost_at(const sv_wall_layout *layout, const uint32_t *costs, uint32_t x, uint32_t y,
                          uint32_t z);
+
+/* How sure a surface is that costs so much, in a layer of that level relative to the threshold, 1. */
+float sv_wall_confidence(const sv_wall_layout *layout, float cost, float level);
 
 /* ---- where the surface goes on from the rim of the sac (ref_wall_rim.c) */
 

@@ -132,11 +132,6 @@ static void median_filter(const sv_wall_layout *l, const float *layers, float *f
                     median_of(l, layers + plane * count, x, y);
 }
 
-float sv_wall_confidence(const sv_wall_layout *l, float cost, float level) {
-    const float ratio = (cost + level * level) / l->half_confidence_cost;
-    return 1.0f / (1.0f + ratio * ratio);
-}
-
 /* Computes the confidence of every ray's surface at `places`, which costs `costs`. */
 static void find_confidence(const sv_wall_scan *s, const float *costs, const float *places, float *of_rays) {
     const sv_wall_layout *l = s->layout;
