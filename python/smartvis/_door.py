@@ -4,12 +4,12 @@ smartvis_host.h. ``tests/test_door.py`` compiles the header and compares every s
 
 from __future__ import annotations
 
-import atexit
 import ctypes
 import logging
 import os
 import re
 import threading
+import weakref
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -180,5 +180,7 @@ def host() -> Any:
             options = sized("svh_options", log=_on_log, program=_guard_program())
             call("svh_open", ctypes.byref(options), ctypes.byref(opened))
             _hosts.append(opened)
-            atexit.register(free, "svh_close", opened)  # before it, what was made later goes
+            # At the end of the process finalizers run from the last that was made: what lies in the host goes first.
+            # `atexit` has another order: all of them in one place, where the process made its first one.
+            weakref.finalize(opened, free, "svh_close", opened.value)
         return _hosts[0]

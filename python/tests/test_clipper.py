@@ -2,6 +2,8 @@
 """Clipper: clip() for volume after volume, with the same bits, whatever it clipped before; from several threads."""
 
 import itertools
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -225,3 +227,16 @@ def test_numbers_of_any_type_are_taken(volume: np.ndarray) -> None:
         whole = clipper(volume)
         shifted = clipper(layers(SHAPE).astype(np.int16) - 10)
     assert whole.clips and same(shifted, smartvis.clip(volume.astype(np.int16) - 10, (1, 1, 1)))
+
+
+def test_a_process_ends_whatever_it_began_with() -> None:
+    """What `atexit` has of the process's own, such as folders for the time being, may stand before all of ours."""
+    code = (
+        "import tempfile; kept = tempfile.TemporaryDirectory()\n"
+        "import numpy as np, smartvis\n"
+        "clipper = smartvis.Clipper((24, 24, 24), (1, 1, 1))\n"
+        "clipper(np.full((24, 24, 24), 9, np.uint8))\n"
+        "print('clipped')"
+    )
+    ended = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=False, timeout=LONG)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "clipped\n", "")
