@@ -117,3 +117,10 @@ void svh_close(svh_host *host) {
 bool door_open_device(svh_host *host, hs_error *err) {
     return host->cl.context || hs_cl_open(&host->cl, err);
 }
+
+void door_rest_device(svh_host *host) {
+    static const uint32_t often = 16;
+    if (host->on_device > 0 || host->ended < often) return;
+    hs_cl_close(&host->cl);
+    host->ended = 0;
+}

@@ -15,7 +15,9 @@
 
 struct svh_host {
     pthread_mutex_t lock; /* held by every call that works on an object of this host */
-    hs_cl cl;             /* zeroed: not opened yet */
+    hs_cl cl;             /* zeroed: not opened, or at rest */
+    uint32_t on_device;   /* volumes, and active plugins, that lie in its context */
+    uint32_t ended;       /* active plugins that have ended since it was opened */
     hs_fits fits;
     hs_guard_options guard;
     void (*log)(void *context, int32_t severity, const char *text);
@@ -40,6 +42,11 @@ bool door_check_size(uint32_t given, size_t ours, const char *what, hs_error *er
 
 /* Opens the host's device, unless it is open. */
 bool door_open_device(svh_host *host, hs_error *err);
+
+/* After a volume or an active plugin has left the device: closes it now and then, while nothing else lies
+ * there. PoCL keeps a part of every program that it reads, some 60 KB for each activated plugin, until the
+ * last context has gone. */
+void door_rest_device(svh_host *host);
 
 /* What became of values, and of the beams; door_volume.c and door_file.c end with it. */
 void door_find_course(svh_volume *volume);

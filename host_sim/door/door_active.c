@@ -25,7 +25,9 @@ void door_spacing(const svh_volume *volume, const svh_view *view, float out[3]) 
 }
 
 void door_deactivate(svh_clipper *clipper) {
-    if (clipper->slabs) (void)clFinish(clipper->host->cl.queue); /* nothing may run on what goes now */
+    svh_host *const host = clipper->host;
+    const bool active = clipper->slabs != NULL;
+    if (active) (void)clFinish(host->cl.queue); /* nothing may run on what goes now */
     hs_clipper_destroy(clipper->clipper);
     hs_slabs_destroy(clipper->slabs);
     free(clipper->fixed);
@@ -38,6 +40,10 @@ void door_deactivate(svh_clipper *clipper) {
     clipper->depth = clipper->confidence = NULL;
     clipper->has_before = false;
     clipper->volume = NULL;
+    if (!active) return;
+    host->on_device--;
+    host->ended++;
+    door_rest_device(host);
 }
 
 sv_param_value *door_fixed(const svh_clipper *clipper, uint32_t *count, hs_error *err) {
@@ -97,10 +103,11 @@ static bool activate(svh_clipper *clipper, svh_volume *volume, const svh_view *v
     memcpy(asked.spacing_mm, clipper->spacing_mm, sizeof asked.spacing_mm);
     clipper->gaps = volume->volume.beams != NULL;
     hs_side_fit(&way, &clipper->plugin);
-    return make_maps(clipper, err) &&
-           hs_side_create(cl, &clipper->plugin, &way, &layout, clipper->gaps, &asked, &clipper->slabs,
-                          &clipper->clipper, err) &&
-           hs_slabs_prepare(clipper->slabs, source, camera, err);
+    const bool made =
+        make_maps(clipper, err) && hs_side_create(cl, &clipper->plugin, &way, &layout, clipper->gaps, &asked,
+                                                  &clipper->slabs, &clipper->clipper, err);
+    clipper->host->on_device += clipper->slabs != NULL;
+    return made && hs_slabs_prepare(clipper->slabs, source, camera, err);
 }
 
 bool door_activate(svh_clipper *clipper, svh_volume *volume, const svh_view *view, const hs_camera *camera,

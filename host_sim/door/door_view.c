@@ -61,8 +61,9 @@ int32_t svh_plan(const svh_volume *volume, svh_view *view, svh_error *error) {
 }
 
 hs_device_volume *door_bring(svh_volume *volume, hs_error *err) {
-    if (!volume->on_device && door_open_device(volume->host, err))
-        volume->on_device = hs_device_volume_create(&volume->host->cl, &volume->volume, err);
+    if (volume->on_device || !door_open_device(volume->host, err)) return volume->on_device;
+    volume->on_device = hs_device_volume_create(&volume->host->cl, &volume->volume, err);
+    volume->host->on_device += volume->on_device != NULL;
     return volume->on_device;
 }
 

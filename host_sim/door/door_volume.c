@@ -205,7 +205,11 @@ int32_t svh_volume_about(const svh_volume *volume, svh_about *out, svh_error *er
 void svh_volume_free(svh_volume *volume) {
     if (!volume) return;
     (void)pthread_mutex_lock(&volume->host->lock);
-    hs_device_volume_destroy(volume->on_device);
+    if (volume->on_device) {
+        hs_device_volume_destroy(volume->on_device);
+        volume->host->on_device--;
+        door_rest_device(volume->host);
+    }
     (void)pthread_mutex_unlock(&volume->host->lock);
     hs_volume_free(&volume->volume);
     free(volume);

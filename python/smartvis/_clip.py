@@ -33,6 +33,7 @@ from ._volume import (
 )
 
 _Marks = list[tuple[tuple[float, ...], bool]]
+_RESTS = 16  # as many instances end, then all do
 
 
 class ClipperCache:
@@ -43,6 +44,7 @@ class ClipperCache:
     def __init__(self, most: int = 2, admit: Callable[[int, int], None] = lambda look, needed: None) -> None:
         self._most = most
         self.admit = admit
+        self._ended = 0
         self._lock = threading.Lock()
         self._instances: OrderedDict[Any, Active] = OrderedDict()
 
@@ -64,14 +66,21 @@ class ClipperCache:
         with self._lock:
             instance = self._instances.pop(key, None)
             if instance is None:
-                while len(self._instances) >= self._most:
-                    self._instances.popitem(last=False)[1].close()
+                self._make_room()
                 instance = Active(plugin)
                 instance.reset(parameters)
                 self.admit(look_bytes(grid.shape), instance.needs(levels, grid))
             self._instances[key] = instance
             instance.reset(parameters)
             return instance.clip(levels, grid, view, frame, camera)
+
+    def _make_room(self) -> None:
+        """For one more. Now and then all end: only then the machine's device can rest, until which the runtime keeps a
+        part of every instance that was."""
+        self._ended += len(self._instances) >= self._most
+        most = 1 if self._ended and self._ended % _RESTS == 0 else self._most
+        while len(self._instances) >= most:
+            self._instances.popitem(last=False)[1].close()
 
     def adjust(self, parameters: dict[str, object]) -> Result:
         """The volume that was clipped last, with other values of adjustable parameters; the result is the caller's."""

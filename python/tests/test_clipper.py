@@ -2,11 +2,13 @@
 """Clipper: clip() for volume after volume, with the same bits, whatever it clipped before; from several threads."""
 
 import itertools
+import re
 import subprocess
 import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -227,6 +229,30 @@ def test_numbers_of_any_type_are_taken(volume: np.ndarray) -> None:
         whole = clipper(volume)
         shifted = clipper(layers(SHAPE).astype(np.int16) - 10)
     assert whole.clips and same(shifted, smartvis.clip(volume.astype(np.int16) - 10, (1, 1, 1)))
+
+
+def held() -> int:
+    """Bytes of this process that no file has."""
+    return int(re.findall(r"RssAnon:\s*(\d+)", Path("/proc/self/status").read_text())[0]) << 10
+
+
+def activate_in_turn(count: int, most: int) -> None:
+    """Volumes of more shapes than a cache has room for: each activates a plugin anew."""
+    cache = smartvis.ClipperCache(most=most)
+    volumes = [layers((side, side, side)) for side in range(24, 25 + most)]
+    for number in range(count):
+        smartvis.clip(volumes[number % len(volumes)], spacing=(1, 1, 1), cache=cache)
+    cache.close()
+
+
+@pytest.mark.night
+def test_activations_leave_nothing() -> None:
+    """The runtime keeps some of every program that it reads, until the device rests: some 60 KB an activation. Memory
+    that is kept for reuse comes and goes by 4 MB."""
+    activate_in_turn(48, 2)
+    before = held()
+    activate_in_turn(384, 2)
+    assert held() - before < 8 << 20
 
 
 def test_a_process_ends_whatever_it_began_with() -> None:
