@@ -49,7 +49,7 @@ static double try_face(const hs_volume *v, hs_probe face, const border *b, doubl
     double axes[9], fits = 0.0;
     hs_probe_axes(v, face, axes);
     for (int turned = 0; turned < 2 && fits < 1.0 + clear; turned++) {
-        const fan f = hs_fan_from(axes, b, room, turned == 1, -1, hopeless);
+        const fan f = hs_fan_from(axes, b, room, turned == 1, false, hopeless);
         const double now = f.share + (hs_fan_holds(&f, b, axes) ? 1.0 : 0.0);
         if (now < fits) continue;
         fits = now;
@@ -106,7 +106,8 @@ static void fit(hs_volume *v, const border *b, double *room) {
         c->found = !stated;
         take(v, face[0], &best, b);
     }
-    if (!v->spacing_unsaid) (void)hs_fan_find_scale(v, b, face, best.share, room, c->fits);
+    const double taken = c->kind == HS_BEAMS_FAN ? best.share : 0.0;
+    if (!v->spacing_unsaid) (void)hs_fan_find_scale(v, b, taken, room, c->fits);
 }
 
 /* True: that took a fit. */

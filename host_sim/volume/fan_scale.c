@@ -7,43 +7,45 @@
 
 /*
  * A fan whose lengths along one axis are wrong is none, so its outline tells which spacing it has: up to a
- * factor for all axes, which leaves it a fan. Looked for are an axis that is too long or too short, and the
- * three spacings in another order, as of an array that was transposed and kept those it had.
+ * factor for all axes, which leaves it a fan. Two scales are sought, from a scan as long as it is wide and
+ * deep: what is found does not depend on the lengths that were said. Of these as many stay as fit.
  */
 
 static const double better = 0.05; /* of the border: as much more must lie on the fan, for the unknown more */
-static const double enough = 0.85; /* of the border */
+static const double enough = 0.9;  /* of the border */
 static const double changed = 1.1; /* a smaller factor bends a fan, and leaves it one */
+static const double alike = 1.05;  /* a smaller factor is what the outline's voxels leave open */
 static const double hardly = 200.0; /* mm: of a longer radius the lines hardly part, and bend by chance */
 static const double hopeless =
     0.25; /* cost of a trial: most of the border is near a fan that will hold enough */
-static const double first[] = {0.5, 2.0};
+static const double side = 100.0; /* mm, of the cube that trials begin from */
+static const double longer = 1.7;
 
 typedef struct {
     border scaled;
     double (*points)[3];
     double *room;
-    const hs_probe *faces; /* NULL: all, in their order */
-    int face_count;
     bool turned, found;
     double share, factor[3]; /* of the best so far */
 } search;
 
-static void scale_border(search *s, const border *b, const double factor[3]) {
+static void scale_border(search *s, const hs_volume *v, const border *b, const double factor[3]) {
     s->scaled = *b;
+    s->scaled.close = 1.0;
+    for (int k = 0; k < 3; k++) s->scaled.close = fmax(s->scaled.close, v->spacing[k] * factor[k]);
     s->scaled.points = (const double(*)[3])s->points;
     for (uint32_t i = 0; i < b->count; i++)
         for (int k = 0; k < 3; k++) s->points[i][k] = b->points[i][k] * factor[k];
     for (int k = 0; k < 3; k++) s->scaled.size[k] = b->size[k] * factor[k];
 }
 
-/* From each of the faces. */
-static void try_factor(search *s, const hs_volume *v, const border *b, const double factor[3], int axis) {
-    scale_border(s, b, factor);
-    for (int n = 0; n < s->face_count; n++) {
+/* From any face: with other lengths, the one that it narrows to need not be the one that seemed so. */
+static void try_factor(search *s, const hs_volume *v, const border *b, const double factor[3]) {
+    scale_border(s, v, b, factor);
+    for (int face = 0; face < HS_PROBE_COUNT; face++) {
         double axes[9];
-        hs_probe_axes(v, s->faces ? s->faces[n] : (hs_probe)n, axes);
-        const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, axis, hopeless);
+        hs_probe_axes(v, (hs_probe)face, axes);
+        const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, true, hopeless);
         if (!hs_fan_scale_rests(&f) || f.share <= s->share || f.x[FACE] > hardly) continue;
         if (!hs_fan_holds(&f, &s->scaled, axes)) continue;
         s->share = f.share;
@@ -52,58 +54,80 @@ static void try_factor(search *s, const hs_volume *v, const border *b, const dou
     }
 }
 
-/* The largest, or its reciprocal where lengths become shorter. */
-static double most_change(const double factor[3]) {
-    double most = 1.0;
-    for (int k = 0; k < 3; k++) most = fmax(most, fmax(factor[k], 1.0 / factor[k]));
-    return most;
-}
-
-static bool are_equal(const double a[3], const double b[3]) {
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
-
-/* From any face: with other lengths along all axes, the one that it narrows to need not be among the best.
- * Of a volume with two equal spacings, orders come twice. */
-static void try_orders(search *s, const hs_volume *v, const border *b) {
-    static const int orders[5][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
-    double factors[5][3];
-    s->faces = NULL;
-    s->face_count = HS_PROBE_COUNT;
-    for (int n = 0; n < 5; n++) {
-        bool is_new = true;
-        for (int k = 0; k < 3; k++) factors[n][k] = v->spacing[orders[n][k]] / v->spacing[k];
-        for (int m = 0; m < n; m++) is_new = is_new && !are_equal(factors[m], factors[n]);
-        if (is_new && most_change(factors[n]) > changed) try_factor(s, v, b, factors[n], -1);
+/* What makes a cube of the border's box. */
+static void cube(const border *b, double factor[3]) {
+    for (int k = 0; k < 3; k++) {
+        double low = b->points[0][k], high = low;
+        for (uint32_t i = 1; i < b->count; i++) {
+            low = fmin(low, b->points[i][k]);
+            high = fmax(high, b->points[i][k]);
+        }
+        factor[k] = side / fmax(high - low, 1e-9);
     }
 }
 
-static void try_axes(search *s, const hs_volume *v, const border *b, const hs_probe faces[2]) {
-    s->faces = faces;
-    s->face_count = faces[1] == faces[0] ? 1 : 2;
-    for (int axis = 0; axis < 3; axis++)
-        for (size_t n = 0; n < sizeof first / sizeof *first; n++) {
-            double factor[3] = {1.0, 1.0, 1.0};
-            factor[axis] = first[n];
-            try_factor(s, v, b, factor, axis);
-        }
+/* From a cube, and from what is longer along two axes than along the third. */
+static void try_shapes(search *s, const hs_volume *v, const border *b) {
+    for (int axis = -1; axis < 3 && !s->found; axis++) {
+        double factor[3];
+        cube(b, factor);
+        for (int k = 0; k < 3; k++) factor[k] *= axis >= 0 && k != axis ? longer : 1.0;
+        try_factor(s, v, b, factor);
+    }
 }
 
-bool hs_fan_find_scale(const hs_volume *v, const border *b, const hs_probe faces[2], double share,
-                       double *room, double spacing[3]) {
-    if (share > enough) return false;
+static bool is_alike(double a, double b) {
+    return fmax(a, b) <= fmin(a, b) * alike;
+}
+
+/* The lengths that were said, in the first order in which their ratios are the fan's. */
+static bool are_ordered(const double said[3], const double factor[3], double spacing[3]) {
+    static const int orders[5][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
+    for (int n = 0; n < 5; n++) {
+        double off[3];
+        for (int k = 0; k < 3; k++) off[k] = said[orders[n][k]] / (said[k] * factor[k]);
+        if (!is_alike(off[0], off[1]) || !is_alike(off[1], off[2]) || !is_alike(off[0], off[2])) continue;
+        for (int k = 0; k < 3; k++) spacing[k] = said[orders[n][k]];
+        return true;
+    }
+    return false;
+}
+
+/* Two that fit one another stay; else the first does. */
+static void keep_said(const double said[3], const double factor[3], double spacing[3]) {
+    int kept = 0, also = 0;
+    for (int k = 0; k < 3; k++)
+        if (is_alike(factor[k], factor[(k + 1) % 3])) {
+            kept = k;
+            also = (k + 1) % 3;
+        }
+    const double whole = sqrt(factor[kept] * factor[also]);
+    for (int k = 0; k < 3; k++) spacing[k] = k == kept || k == also ? said[k] : said[k] * factor[k] / whole;
+}
+
+static bool are_changed(const double said[3], const double spacing[3]) {
+    double most = 1.0;
+    for (int k = 0; k < 3; k++) most = fmax(most, fmax(spacing[k] / said[k], said[k] / spacing[k]));
+    return most > changed;
+}
+
+bool hs_fan_find_scale(const hs_volume *v, const border *b, double share, double *room, double spacing[3]) {
     search s = {.points = malloc((size_t)HS_BORDER_MOST * sizeof *s.points),
-                .share = fmax(enough, share + better),
-                .factor = {1.0, 1.0, 1.0}};
-    if (!s.points) return false;
-    s.room = room;
+                .room = room,
+                .share = fmax(enough, share + better)};
+    if (!s.points || s.share >= 1.0) {
+        free(s.points);
+        return false;
+    }
     for (int turned = 0; turned < 2 && !s.found; turned++) {
         s.turned = turned == 1;
-        try_orders(&s, v, b);
-        try_axes(&s, v, b, faces);
+        try_shapes(&s, v, b);
     }
     free(s.points);
-    if (!s.found || most_change(s.factor) <= changed) return false;
-    for (int k = 0; k < 3; k++) spacing[k] = v->spacing[k] * s.factor[k];
+    if (!s.found) return false;
+    double fits[3];
+    if (!are_ordered(v->spacing, s.factor, fits)) keep_said(v->spacing, s.factor, fits);
+    if (!are_changed(v->spacing, fits)) return false;
+    memcpy(spacing, fits, sizeof fits);
     return true;
 }

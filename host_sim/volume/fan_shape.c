@@ -17,8 +17,8 @@
 
 enum { FEW = 300 }; /* points of a first trial */
 
-static const double most_scale = 0.6;              /* of a logarithm, from where a trial begins */
-static const double resting = 0.59;                /* a scale that went farther was held up on its way */
+static const double most_scale = 0.9;              /* of a logarithm, from where a trial begins */
+static const double resting = 0.89;                /* a scale that went farther was held up on its way */
 static const double first_radii[] = {30.0, 120.0}; /* mm, of lines and sweep at the face: trials begin here */
 static const double enough = 0.75;                 /* of the border lies on a fan */
 static const double near_by = 4.0;                 /* times as far as close */
@@ -119,7 +119,7 @@ static double beyond(const fan *f, const double p[3], int *surface, double slope
         slope[TURN + k] = -sign * (l[a] * g[e] - l[e] * g[a]);
     }
     slope[SWEEP] = sign * by_sweep;
-    if (f->scaled >= 0) slope[SCALE] = -slope[PLACE + f->scaled] * p[f->scaled] * f->factor[f->scaled];
+    for (int k = 0; f->scaled && k < SCALES; k++) slope[SCALE + k] = -slope[PLACE + k] * p[k] * f->factor[k];
     slope[*surface < 2   ? LOW_LINE + *surface
           : *surface < 4 ? PLANE
           : *surface < 5 ? FACE
@@ -172,9 +172,11 @@ static void move_by(fan *f, const double step[UNKNOWNS]) {
     for (int k = 0; k < UNKNOWNS; k++)
         if (k < TURN || k > TURN + 2) f->x[k] += step[k];
     turn_by(f->rotation, step + TURN);
-    if (f->scaled < 0) return;
-    f->x[SCALE] = fmin(fmax(f->x[SCALE], -most_scale), most_scale); /* a flat scan lies on any fan */
-    f->factor[f->scaled] = exp(f->x[SCALE]);
+    for (int k = 0; f->scaled && k < SCALES; k++) {
+        double *scale = &f->x[SCALE + k];
+        *scale = fmin(fmax(*scale, -most_scale), most_scale); /* a flat scan lies on any fan */
+        f->factor[k] = exp(*scale);
+    }
 }
 
 /* Up to `rounds` of Levenberg's steps; `scale` mm: what lies farther away counts little. */
@@ -224,7 +226,7 @@ static double quantile(double *values, uint32_t count, double share) {
 
 /* ---- trials */
 /* A fan from this face, of these radii at its middle, whose limits hold most of the points. */
-static void begin(fan *f, const border *b, uint32_t every, int scaled, const double axes[9], double lines,
+static void begin(fan *f, const border *b, uint32_t every, bool scaled, const double axes[9], double lines,
                   double planes) {
     double across[2][FEW * 2], depth[FEW * 2], l[3];
     uint32_t n = 0;
@@ -268,7 +270,7 @@ static void measure(fan *f, const border *b, double *room) {
     f->median = quantile(room, b->count, 0.5);
 }
 
-fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, int scaled,
+fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, bool scaled,
                 double hopeless) {
     static const double turns[4][3] = {{0.49, 0, 0}, {-0.49, 0, 0}, {0, 0.49, 0}, {0, -0.49, 0}};
     const uint32_t every = 1 + (b->count - 1) / FEW;
@@ -291,7 +293,9 @@ fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned
 }
 
 bool hs_fan_scale_rests(const fan *f) {
-    return !(fabs(f->x[SCALE]) > resting);
+    bool rest = true;
+    for (int k = 0; k < SCALES; k++) rest = rest && !(fabs(f->x[SCALE + k]) > resting);
+    return rest;
 }
 
 bool hs_fan_holds(const fan *f, const border *b, const double axes[9]) {

@@ -17,8 +17,9 @@ enum {
     PLANE,
     FACE,
     END,
-    SCALE,   /* logarithm of what the lengths along one axis are multiplied by */
-    UNKNOWNS /* of a fan */
+    SCALE, /* logarithm of what the lengths along x are multiplied by; the next one, along y */
+    SCALES = 2,
+    UNKNOWNS = SCALE + SCALES /* of a fan */
 };
 
 typedef struct border {
@@ -30,8 +31,8 @@ typedef struct border {
 
 typedef struct {
     double rotation[9]; /* row-major: the probe's axes in those of the volume */
-    double x[UNKNOWNS]; /* apex, sweep, (no turn), limits of the lines, of the planes, of the radii, scale */
-    int scaled;         /* the axis whose scale is sought, or -1 */
+    double x[UNKNOWNS]; /* apex, sweep, (no turn), limits of the lines, of the planes, of the radii, scales */
+    bool scaled;        /* these are sought */
     double factor[3];   /* of the lengths along each axis */
     double cost;        /* 0: all points lie on it, 1: none */
     double share, median;
@@ -43,19 +44,20 @@ typedef struct {
 void hs_border_find(const hs_volume *volume, border *b, double (*points)[3]);
 
 /* The best fan from a face. `turned`: of a scan whose axis is not the volume's, 28 degrees to either side.
- * `scaled`: the axis whose scale is sought, too, or -1. `hopeless`: what begins at such a cost or ends at it
+ * `scaled`: the scales of x and y are sought, too: up to a factor for
+ * all axes, any shape. `hopeless`: what begins at such a cost or ends at it
  * is not brought to rest, which takes most of the time. `room`: HS_BORDER_MOST numbers. */
-fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, int scaled,
+fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned, bool scaled,
                 double hopeless);
 
-/* The scale that was sought has come to rest within the reach of a trial. */
+/* The scales that were sought have come to rest within the reach of a trial. */
 bool hs_fan_scale_rests(const fan *f);
 
 /* It narrows towards the face it was begun from, and enough of what shows its shape is on it. */
 bool hs_fan_holds(const fan *f, const border *b, const double axes[9]);
 
-/* The spacing with which clearly more of the border lies on a fan than `share`, which is that of the best
- * with the volume's own: one axis has another, or they stand in another order. Only their ratios are told.
- * `faces`: from which it may run. False: there is none, or `share` is enough; `spacing` is untouched. */
-bool hs_fan_find_scale(const hs_volume *volume, const border *b, const hs_probe faces[2], double share,
-                       double *room, double spacing[3]);
+/* The spacing with which nearly all of the border lies on a fan, and clearly more than `share`, which is that
+ * of the fan with the volume's own, 0 if there is none. Only their ratios are told: as many stay as were said
+ * as fit, in another order if need be. False: there is none; `spacing` is untouched. */
+bool hs_fan_find_scale(const hs_volume *volume, const border *b, double share, double *room,
+                       double spacing[3]);
