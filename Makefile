@@ -197,7 +197,7 @@ format: # apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@$(SETUP) $(LINT_PACKAGES)
 	@scripts/list_sources.sh c h hpp cpp cl clh | xargs clang-format -i
 	@mkdir -p build-clang && scripts/python_env.sh build-clang/lint python/requirements-lint.txt
-	@cd python && ../build-clang/lint/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python
+	@cd python && ../build-clang/lint/bin/ruff format --quiet --no-cache --config pyproject.toml . ../examples/python ../lab ../tests/lab
 
 bench: setup # times as ratios to plain C; speed against error of every method; growth with the volume: out/bench (some twelve minutes)
 	@$(call build,build,,sv_bench test_lit_shapes smartvis host_sim sv_definitions)
@@ -226,23 +226,23 @@ part = $(word $(1),$(subst :, ,$(2)))
 near_field = --set near_slices=$(call part,1,$(1)) --set near_gain=$(call part,2,$(1)) --set near_black=$(call part,3,$(1))
 
 sites: setup # methods on scenes and on SITES: table, harm, near fields, flicker
-	@$(call build,build,,sv_judge smartvis)
-	build/sv_judge table $(UNSEEN) $(FOREIGN)
-	build/sv_judge table $(HARD)
-	build/sv_judge harm --scenes 201,0 $(FOREIGN)
-	$(foreach field,$(NEAR_FIELDS),build/sv_judge wall --scenes 201,0 $(foreach site,$(SITES),--site $(site)) $(call near_field,$(field)) &&) true
-	build/sv_judge flicker
+	@$(call build,build,,sv_definitions smartvis host_sim smartvis_host)
+	scripts/surfaces.sh table $(UNSEEN) $(FOREIGN)
+	scripts/surfaces.sh table $(HARD)
+	scripts/surfaces.sh harm --scenes 201,0 $(FOREIGN)
+	$(foreach field,$(NEAR_FIELDS),scripts/surfaces.sh wall --scenes 201,0 $(foreach site,$(SITES),--site $(site)) $(call near_field,$(field)) &&) true
+	scripts/surfaces.sh flicker
 
 # Every scene in a box, and as a probe's file.
 SCENES := E01 E02 E03 E04 M01 M02 M03 D01 D02 $(HARD_NAMES)
 vol_case = --case $(OUT)/scans/$(1)_full.vol,$(OUT)/scans/$(1)_truth.vol,$(OUT)/scans/$(1)_label.mha
 
 scans: setup # verdict, error, cut, left of scenes, SITES and the scans in DATA, with beams told, the pose alone, nothing: ten minutes
-	@$(call build,build,,sv_judge smartvis host_sim)
+	@$(call build,build,,smartvis host_sim smartvis_host)
 	@$(call step,scenes) for set in all hard; do build/host_sim scenes --$$set --size 128 --export --format vol --out $(OUT)/scans || exit 1; done
-	@build/sv_judge scans --method method=wall --method 'method=wall unsure=clip' $(foreach scene,$(SCENES),--scene $(scene) $(call vol_case,$(scene))) \
+	@scripts/surfaces.sh scans --method method=wall --method 'method=wall unsure=clip' $(foreach scene,$(SCENES),--scene $(scene) $(call vol_case,$(scene))) \
 	  $(foreach site,$(SITES),--site $(site))
-	@build/sv_judge scans $(foreach scan,$(filter-out %_label.mha,$(wildcard $(DATA)/real/*.mha $(DATA)/fetal_head_*.mha)),--volume $(scan))
+	@scripts/surfaces.sh scans $(foreach scan,$(filter-out %_label.mha,$(wildcard $(DATA)/real/*.mha $(DATA)/fetal_head_*.mha)),--volume $(scan))
 
 # A case of a site: its three files, and what was scanned of every ray, of the case or of all.
 stem = $(patsubst %_full.mha,%,$(1))

@@ -58,7 +58,6 @@ lab/eval | abi MACHINE host_sim/loop . | libc opencl zlib
 lab/report | abi HOST host_sim/show host_sim/commands lab/page lab/eval . | libc opencl json zlib
 host_sim/console | abi HOST host_sim/show host_sim/commands kernels . | libc opencl json web
 lab/bench | abi HOST sdk/stage . | libc opencl futex
-lab/judge | abi HOST src src/ref sdk/stage lab/eval . | libc opencl json
 sdk/layer | abi base/core sdk/rules sdk/record . | libc opencl
 sdk/record | abi base/core sdk/rules . | libc opencl zlib
 sdk/replay | abi base/core base/guard base/plugin base/opencl base/guarded sdk/rules sdk/record . | libc opencl drawing
@@ -97,7 +96,7 @@ GROUPS = {
 # Where a "..." may be found from each part of the tree.
 ROOTS = {
     "include": "include", "cl": "cl", "src": "include src cl", "base": "include base", "host_sim": "include base host_sim lab",
-    "sdk": "include base sdk", "lab": "include base host_sim lab sdk src cl",
+    "sdk": "include base sdk", "lab": "include base host_sim lab sdk",
     "examples": "include", "bindings": "include", "python": "include",
     "tests": "include tests tests/sdk tests/host_sim base sdk lab host_sim src cl",
 }

@@ -68,13 +68,14 @@ kernels() {
 python_tools() { scripts/python_env.sh "$build/lint" python/requirements-lint.txt; }
 python_ruff() {
     python_tools && cd python &&
-        "$build/lint/bin/ruff" check --quiet --no-cache . ../examples/python --config pyproject.toml &&
-        "$build/lint/bin/ruff" format --quiet --no-cache --check . ../examples/python --config pyproject.toml
+        "$build/lint/bin/ruff" check --quiet --no-cache . ../examples/python ../lab ../tests/lab --config pyproject.toml &&
+        "$build/lint/bin/ruff" format --quiet --no-cache --check . ../examples/python ../lab ../tests/lab --config pyproject.toml
 }
 python_types() {
     python_tools && cd python &&
         "$build/lint/bin/mypy" --no-error-summary --cache-dir "$build/mypy" &&
         "$build/lint/bin/mypy" --no-error-summary --cache-dir "$build/mypy" --platform win32 smartvis && # what Windows lacks
+        MYPYPATH=../lab/surfaces "$build/lint/bin/mypy" --no-error-summary --cache-dir "$build/mypy" --no-warn-return-any ../lab/surfaces &&
         MYPYPATH=tests:bench "$build/lint/bin/mypy" --no-error-summary --cache-dir "$build/mypy" --allow-untyped-defs \
             --allow-incomplete-defs --allow-untyped-calls --allow-any-generics --no-warn-return-any tests ../examples/python
 }

@@ -36,7 +36,7 @@ TESTS = [
     (r"sdk/(record|replay)", r"test_re(cording|play)|replay_recording"),
     (r"sdk", r"validate/|test_(recording|formats|plugin_slabs)$"),
     (r"host_sim/console", r"console|replay_console"),
-    (r"lab/judge", r"golden/test_sites|test_wall_(invariance|tilt)"),
+    (r"lab/surfaces", r"golden/test_sites|test_wall_(invariance|tilt)"),
     (r"lab", r"test_(eval|box)|golden/test_(report|demo|measure)"),
     (r"wall", r"test_wall($|_answer|_beams|_constants|_definition|_fluid|_limbs|_rim)$|test_confidence$"),
     (r"cl/(profile|common|mean|chain|minimum)|src/ref|src/quantise", r"test_(profile|mean|formats|scanned|method|box)"),

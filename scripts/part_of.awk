@@ -18,6 +18,7 @@ function concerned(part) {
     if (part == "base" || part == "plugin") return "base sdk host_sim python lab"
     if (part == "sdk") return "base sdk host_sim lab"
     if (part == "host_sim" || part == "lab") return "host_sim python lab"
+    if (part == "python") return "python lab"
     if (part == "docs") return "sdk"
     return part
 }

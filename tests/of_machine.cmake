@@ -1,20 +1,6 @@
 # SPDX-License-Identifier: MIT
 # What tests of the machine, of the Python package and of the lab need beside their places.
 
-# Judges by sv_judge's means, on scenes; with -DSV_SITE=FOLDER on the volumes of that folder, too.
-set(SV_SITE "" CACHE PATH "Folder of volumes with their truth, as sv_judge --site takes it")
-foreach(name test_wall_invariance test_wall_tilt)
-  foreach(part scene case score session)
-    target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/lab/judge/judge_${part}.c)
-  endforeach()
-  target_compile_definitions(${name} PRIVATE SURF_SCENE_DIR="${CMAKE_SOURCE_DIR}/data/scenes"
-                             SURF_PLUGIN="${CMAKE_BINARY_DIR}/smartvis.so")
-endforeach()
-if(SV_SITE)
-  set(SV_TEST_PART lab)
-  sv_register_test(test_wall_invariance_site check ${CMAKE_CURRENT_SOURCE_DIR}/lab/check/test_wall_invariance.c test_wall_invariance ${SV_SITE})
-endif()
-
 # The console, on bare sockets and in a browser: host_sim/console/console_<name>.py.
 find_program(SV_PYTHON NAMES python3 DOC "The interpreter of tests in Python")
 set(console_tests author browser life server)

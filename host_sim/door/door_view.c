@@ -14,17 +14,18 @@ bool door_camera(const svh_volume *volume, const svh_view *view, hs_camera *came
     if (view->from >= HS_FROM_COUNT)
         return hs_fail(err, HS_ERR_USAGE, "svh_view: from is %u, expected 0 .. %d", view->from,
                        (int)HS_FROM_COUNT - 1);
-    if (view->turned) {
-        hs_camera_look(camera, v, 0.0, 0.0);
-        hs_camera_turn(camera, v, view->rotation);
-        return true;
-    }
-    if (view->from != HS_FROM_PROBE && !v->pose.stated)
+    if (!view->turned && view->from != HS_FROM_PROBE && !v->pose.stated)
         return hs_fail(err, HS_ERR_INPUT,
                        "%s: does not say how it lies in the patient, so there is no view %s", v->name,
                        hs_from_name((hs_from)view->from));
-    hs_camera_look_from(camera, v, (hs_from)view->from, view->yaw, view->pitch);
-    hs_camera_roll(camera, v, view->roll);
+    if (view->turned) {
+        hs_camera_look(camera, v, 0.0, 0.0);
+        hs_camera_turn(camera, v, view->rotation);
+    } else {
+        hs_camera_look_from(camera, v, (hs_from)view->from, view->yaw, view->pitch);
+        hs_camera_roll(camera, v, view->roll);
+    }
+    if (view->around) hs_camera_hold_all(camera, v);
     return true;
 }
 

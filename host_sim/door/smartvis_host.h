@@ -174,6 +174,7 @@ typedef struct {
     uint32_t turned;         /* `rotation` is where the camera looks, and not the fields above */
     double rotation[9]; /* row-major: columns are the camera's right, down and forward in the volume's axes */
     uint32_t lowres;    /* pixels across; 0: 1 mm each, as host_sim has it */
+    uint32_t around;    /* the box holds the volume from every direction, as an orbit's does */
     /* Out: */
     uint32_t n[3]; /* width, height, slices of the grid */
     double box[2]; /* mm across, and deep */

@@ -79,11 +79,6 @@ void hs_eval_table_free(hs_eval_table *table);
  * rule (host_sim/render/dvr.h, CLIPPING), in its own precision. */
 uint32_t hs_eval_start_step(float depth, float steps_per_slice, uint32_t steps);
 
-/* The same without a device, for rays along the voxels of a volume with a step of one slice: the slice at
- * which ray `pixel` of `plane` ends when it starts in slice `start` (thesis, Eq. 3.22 to 3.24, at the
- * renderer's defaults), or `slices`. `tests/lab/golden/test_sites.sh` compares it with the renderer. */
-float hs_eval_ray_end(const uint8_t *voxels, size_t plane, uint32_t slices, size_t pixel, uint32_t start);
-
 /* -------------------------------------------------------------------------------------------- measures -- */
 /* Quality of a depthmap by the termination depths of its rays (spec 7; thesis 4, Eq. 4.5 - 4.10). */
 

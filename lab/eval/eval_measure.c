@@ -23,17 +23,6 @@ uint32_t hs_eval_start_step(float depth, float steps_per_slice, uint32_t steps) 
     return first > 0.0f ? (uint32_t)ceilf(first) : 0;
 }
 
-float hs_eval_ray_end(const uint8_t *voxels, size_t plane, uint32_t slices, size_t pixel, uint32_t start) {
-    hs_dvr_settings dvr;
-    hs_dvr_defaults(&dvr);
-    float opacity = 0.0f;
-    for (uint32_t z = start; z < slices; z++) {
-        opacity += (1.0f - opacity) * hs_dvr_opacity(&dvr, voxels[z * plane + pixel]);
-        if (opacity >= dvr.termination) return (float)z;
-    }
-    return (float)slices;
-}
-
 /* The row of errors of ray r, and the error when it starts at a depth. */
 static int16_t error_at(const hs_eval_table *t, uint32_t r, float depth) {
     return t->error[(size_t)r * (t->steps + 1) + hs_eval_start_step(depth, t->steps_per_slice, t->steps)];

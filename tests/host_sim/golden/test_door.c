@@ -197,6 +197,19 @@ static void marks_change_the_map(void **state) {
     door_must_not(svh_mark_depth(volume, &view, &wrong, 1, plain, &told), SVH_USAGE, "radius");
 }
 
+static void one_box_holds_every_view(void **state) {
+    (void)state;
+    svh_volume *volume = read_scan();
+    svh_view views[3] = {{.around = 1}, {.around = 1, .yaw = 50.0, .pitch = 20.0}, {.around = 0}};
+    for (int i = 0; i < 3; i++) {
+        views[i].size = sizeof views[i];
+        door_must(svh_plan(volume, &views[i], &told));
+    }
+    assert_memory_equal(views[0].box, views[1].box, sizeof views[0].box);
+    assert_memory_equal(views[0].n, views[1].n, sizeof views[0].n);
+    assert_true(views[0].box[0] > views[2].box[0] && views[0].box[1] > views[2].box[1]);
+}
+
 static void a_plugin_that_crashes_costs_a_call(void **state) {
     (void)state;
     svh_clipper *good = clipper_of(unit_text("%s/examples/first_edge.so", build));
@@ -246,4 +259,4 @@ static void mistakes_are_named(void **state) {
 }
 
 UNIT_MAIN(set_up, tear_down, gives_the_bits_of_run, adjusts_and_activates_anew, marks_change_the_map,
-          a_plugin_that_crashes_costs_a_call, mistakes_are_named)
+          one_box_holds_every_view, a_plugin_that_crashes_costs_a_call, mistakes_are_named)

@@ -67,7 +67,6 @@ lab/eval/measure.h "loop/loop.h"
 lab/report/page.h "eval/measure.h" "picture/png.h" "commands/run.h"
 host_sim/program/main.c "report/page.h"
 lab/bench/times.h "loop/loop.h"
-lab/judge/judge_main.c "ref/ref_mean.h"
 tests/sdk/check/test_any.c "../../../src/device/clx.h" <lapacke.h>
 examples/plane/plane.c "smartvis/author.h" <CL/cl.h>
 TREE
@@ -104,7 +103,6 @@ host_sim/render/cl/dvr.cl "common/sv_shared.h"
 host_sim/loop/loop.h "eval/measure.h"
 lab/eval/measure.h "picture/png.h" "report/page.h" "ref/ref_mean.h"
 host_sim/program/main.c "ref/ref_mean.h"
-lab/judge/judge_main.c "method/method.h"
 examples/plane/plane.c "core/error.h"
 tests/sdk/check/test_any.c "there_is_none.h"
 corner/new.c <stdint.h>

@@ -35,7 +35,7 @@ concerned base/core/system_posix.c base sdk host_sim python lab house
 concerned src/ref/ref_mean.c base sdk host_sim python lab house
 concerned sdk/stage/stage.c base sdk host_sim lab house
 concerned host_sim/loop/loop.c host_sim python lab house
-concerned python/smartvis/__init__.py python house
+concerned python/smartvis/__init__.py python lab house
 concerned docs/validator.md sdk house
 concerned include/smartvis_plugin.h all
 concerned scripts/lint.sh all

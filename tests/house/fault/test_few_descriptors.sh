@@ -27,7 +27,6 @@ for how in '0<&-' '1>&-' '2>&-' '0<&- 1>&- 2>&-'; do
     closed "$how" "$build/sv_validate" --only descriptors,first-frame "$build/smartvis.so"
 done
 closed '0<&- 1>&- 2>&-' "$build/sv_bench" --guard --size 128 --slab 16 --route copy-own
-closed '0<&- 1>&- 2>&-' "$build/sv_judge" --help
 ulimit -n 64
 closed '' "$build/host_sim" run --volume scene/D01_full.mha --guard --setting smartvis --frames 1 --write depthmap --out few
 holds cmp few/depthmap.mha "out0<&-/depthmap.mha"

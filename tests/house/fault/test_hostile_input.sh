@@ -61,7 +61,7 @@ if [ -w /dev/full ]; then
         holds [ $? -eq 6 ]
         holds grep -q "the standard output cannot be written: No space left on device" stderr
     done
-    for tool in sv_bench sv_judge sv_replay; do
+    for tool in sv_bench sv_replay; do
         [ -x "$build/$tool" ] || continue # some are not in every build
         "$build/$tool" --help > /dev/full 2> stderr
         holds [ $? -eq 6 ]

@@ -3,9 +3,9 @@
  * The findings of the thesis on its nine examinations, found again on the nine scenes: the two peaks of the
  * histogram (Figure 3.3), the share of initial points (3.2), and who is easy and who is hard at one setting
  * (Tables 5.2 and 5.3, Figure 5.8). The algorithm is the scalar definition; the clipping and the error are
- * written here from spec 7, but for a ray's end, which is the report's.
+ * written here from spec 7.
  */
-#include "eval/eval_case.h"
+#include "render/dvr_settings.h"
 #include "support/scene_fixture.h"
 
 #include "ref/ref_mean.h"
@@ -30,8 +30,16 @@ static void reduce(const hs_volume *full, uint8_t *low) {
 
 /* Depth in slices at which a ray ends that starts at `start`. */
 static double termination(const hs_volume *v, size_t pixel, double start) {
-    return (double)hs_eval_ray_end(v->voxels, (size_t)SIZE * SIZE, v->nz, pixel,
-                                   start > 0.0 ? (uint32_t)ceil(start) : 0);
+    hs_dvr_settings dvr;
+    hs_dvr_defaults(&dvr);
+    float opacity = 0.0f;
+    uint32_t z = start > 0.0 ? (uint32_t)ceil(start) : 0;
+    for (; z < v->nz; z++) {
+        const uint8_t level = v->voxels[(size_t)z * SIZE * SIZE + pixel];
+        opacity += (1.0f - opacity) * hs_dvr_opacity(&dvr, level);
+        if (opacity >= dvr.termination) break;
+    }
+    return fmin(z, v->nz);
 }
 
 typedef struct {
