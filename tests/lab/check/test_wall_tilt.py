@@ -56,3 +56,14 @@ def test_a_small_turn_lets_the_back_rise_to_one_side(case: Case) -> None:
     far = abs(across) > 2.0
     assert (t.label[y, x][far] == np.where(across[far] < 0, FETUS, SAC)).all()
     assert 700 <= len(x) <= 1024
+
+
+def test_voxels_between_others_are_mixed(case: Case) -> None:
+    """A volume that grows along all axes does so in the turned one."""
+    z, y, x = np.mgrid[:N, :N, :N]
+    t = tilted(replace(case, full=(x + 2 * y + 3 * z).astype(np.uint8)), (10.0, 7.0))
+    (ca, cb), (sa, sb) = np.cos(np.radians((10.0, 7.0))), np.sin(np.radians((10.0, 7.0)))
+    about_x, about_y = [[1, 0, 0], [0, ca, -sa], [0, sa, ca]], [[cb, 0, sb], [0, 1, 0], [-sb, 0, cb]]
+    middle = 0.5 * (N - 1)
+    at = np.array(about_y) @ about_x @ (np.stack([x, y, z])[:, t.scanned] - middle) + middle
+    assert t.scanned.sum() > N**3 / 2 and (abs(np.array([1, 2, 3]) @ at - t.full[t.scanned]) <= 0.5001).all()
