@@ -117,20 +117,6 @@ uint32_t hs_eval_map_crc(const hs_eval_table *table, const float *map);
 /* The direct way, from a picture of termination depths in steps: for tests and checks of the table. */
 void hs_eval_measure_picture(const hs_eval_table *table, const float *termination, hs_measures *out);
 
-/* What the rays of one label counted so far come to. Zeroed: none. */
-typedef struct {
-    uint32_t rays, positive, negative;   /* e > 0, e < 0 */
-    uint64_t positive_sum, negative_sum; /* steps */
-    uint32_t cut, occluded, left;        /* beyond the tolerance */
-} hs_eval_tally;
-
-#define HS_EVAL_LABELS 3
-
-/* The measures of tallies, one of each HS_LABEL_*. `e` and `tolerance` (beyond which a ray is cut or left)
- * are steps. */
-void hs_eval_count(hs_eval_tally *tally, int32_t e, bool occluded, uint32_t tolerance);
-void hs_eval_measures(const hs_eval_tally by_label[HS_EVAL_LABELS], hs_measures *out);
-
 /* Error e per pixel of such a picture, steps; NAN where the label is 0. */
 void hs_eval_error_picture(const hs_eval_table *table, const float *termination, float *out);
 

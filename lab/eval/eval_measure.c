@@ -174,34 +174,43 @@ const char *hs_measure_key(hs_measure measure) {
     return keys[measure];
 }
 
-void hs_eval_count(hs_eval_tally *t, int32_t e, bool occluded, uint32_t tolerance) {
+/* What the rays of one label counted so far come to. Zeroed: none. */
+typedef struct {
+    uint32_t rays, positive, negative;   /* e > 0, e < 0 */
+    uint64_t positive_sum, negative_sum; /* steps */
+    uint32_t cut, occluded, left;        /* beyond the tolerance */
+} tally;
+
+#define LABELS 3
+
+static void count(tally *t, int32_t e, bool occluded) {
     const uint32_t too_early = e > 0 ? (uint32_t)e : 0u, too_late = e < 0 ? (uint32_t)-e : 0u;
     t->rays++;
     t->positive += too_early != 0;
     t->negative += too_late != 0;
     t->positive_sum += too_early;
     t->negative_sum += too_late;
-    t->cut += too_late > tolerance;
+    t->cut += too_late > HS_EVAL_TOLERANCE;
     t->occluded += occluded;
-    t->left += occluded & (too_early > tolerance);
+    t->left += occluded & (too_early > HS_EVAL_TOLERANCE);
 }
 
 static float mean(uint64_t sum, uint32_t rays, float none) {
     return rays ? (float)((double)sum / rays) : none;
 }
 
-static float mean_error(const hs_eval_tally *t) {
+static float mean_error(const tally *t) {
     return mean(t->positive_sum + t->negative_sum, t->rays, NAN);
 }
 
 /* The three means of a tally. */
-static void put_means(float *out, const hs_eval_tally *t) {
+static void put_means(float *out, const tally *t) {
     out[0] = mean_error(t);
     out[1] = mean(t->positive_sum, t->positive, t->rays ? 0.0f : NAN);
     out[2] = mean(t->negative_sum, t->negative, t->rays ? 0.0f : NAN);
 }
 
-static void add(hs_eval_tally *to, const hs_eval_tally *t) {
+static void add(tally *to, const tally *t) {
     to->rays += t->rays;
     to->positive += t->positive;
     to->negative += t->negative;
@@ -212,9 +221,10 @@ static void add(hs_eval_tally *to, const hs_eval_tally *t) {
     to->left += t->left;
 }
 
-void hs_eval_measures(const hs_eval_tally by_label[HS_EVAL_LABELS], hs_measures *out) {
-    const hs_eval_tally *const fetus = &by_label[HS_LABEL_FETUS];
-    hs_eval_tally both = by_label[HS_LABEL_SAC];
+/* Of tallies, one of each HS_LABEL_*. */
+static void measures_of(const tally by_label[LABELS], hs_measures *out) {
+    const tally *const fetus = &by_label[HS_LABEL_FETUS];
+    tally both = by_label[HS_LABEL_SAC];
     add(&both, fetus);
     put_means(&out->of[HS_MEASURE_ABS], &both);
     put_means(&out->of[HS_MEASURE_ABS_SAC], &by_label[HS_LABEL_SAC]);
@@ -225,11 +235,11 @@ void hs_eval_measures(const hs_eval_tally by_label[HS_EVAL_LABELS], hs_measures 
 }
 
 void hs_eval_measure_map(const hs_eval_table *t, const float *map, hs_measures *out) {
-    hs_eval_tally by_label[HS_EVAL_LABELS] = {{0}};
+    tally by_label[LABELS] = {{0}};
     for (uint32_t r = 0; r < t->all; r++)
-        hs_eval_count(&by_label[t->label[t->pixel[r]]], error_at(t, r, map ? map[t->pixel[r]] : 0.0f),
-                      t->is_occluded[r], HS_EVAL_TOLERANCE);
-    hs_eval_measures(by_label, out);
+        count(&by_label[t->label[t->pixel[r]]], error_at(t, r, map ? map[t->pixel[r]] : 0.0f),
+              t->is_occluded[r]);
+    measures_of(by_label, out);
 }
 
 uint32_t hs_eval_map_crc(const hs_eval_table *table, const float *map) {
@@ -244,10 +254,10 @@ void hs_eval_error_picture(const hs_eval_table *table, const float *termination,
 }
 
 void hs_eval_measure_picture(const hs_eval_table *table, const float *termination, hs_measures *out) {
-    hs_eval_tally by_label[HS_EVAL_LABELS] = {{0}};
+    tally by_label[LABELS] = {{0}};
     const uint32_t pixels = table->width * table->height;
     for (uint32_t i = 0; i < pixels; i++)
-        hs_eval_count(&by_label[table->label[i]], (int32_t)lrintf(table->truth[i] - termination[i]),
-                      table->truth[i] - table->full[i] > HS_EVAL_TOLERANCE, HS_EVAL_TOLERANCE);
-    hs_eval_measures(by_label, out);
+        count(&by_label[table->label[i]], (int32_t)lrintf(table->truth[i] - termination[i]),
+              table->truth[i] - table->full[i] > HS_EVAL_TOLERANCE);
+    measures_of(by_label, out);
 }
