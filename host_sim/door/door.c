@@ -100,18 +100,27 @@ int32_t svh_open(const svh_options *options, svh_host **out, svh_error *error) {
     }
     host->log = options->log;
     host->context = options->context;
+    host->users = 1;
     make_lock(&host->lock);
     find_parts(host, options->program);
     *out = host;
     return SVH_OK;
 }
 
-void svh_close(svh_host *host) {
-    if (!host) return;
+void door_let_go(svh_host *host) {
+    const bool is_last = --host->users == 0;
+    (void)pthread_mutex_unlock(&host->lock);
+    if (!is_last) return;
     hs_cl_close(&host->cl);
     hs_fits_free(&host->fits);
     (void)pthread_mutex_destroy(&host->lock);
     free(host);
+}
+
+void svh_close(svh_host *host) {
+    if (!host) return;
+    (void)pthread_mutex_lock(&host->lock);
+    door_let_go(host);
 }
 
 bool door_open_device(svh_host *host, hs_error *err) {

@@ -15,6 +15,7 @@
 
 struct svh_host {
     pthread_mutex_t lock; /* held by every call that works on an object of this host */
+    uint32_t users;       /* its clippers and volumes, and who opened it: the last one ends it */
     hs_cl cl;             /* zeroed: not opened, or at rest */
     uint32_t on_device;   /* volumes, and active plugins, that lie in its context */
     uint32_t ended;       /* active plugins that have ended since it was opened */
@@ -33,6 +34,9 @@ struct svh_volume {
     char doubt[HS_DOUBT_BYTES], question[160], beams[160];
     hs_device_volume *on_device; /* NULL until it is needed there */
 };
+
+/* Unlocks the host for one of its users, which is gone. */
+void door_let_go(svh_host *host);
 
 /* Ends a call: unlocks the host, and hands the error out. */
 int32_t door_leave(svh_host *host, const hs_error *err, svh_error *out);

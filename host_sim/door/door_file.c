@@ -67,9 +67,10 @@ int32_t svh_volume_read(svh_host *host, const char *path, const svh_file *how, s
     (void)pthread_mutex_lock(&host->lock);
     svh_volume *volume = check(how, &err) ? hs_memory(1, sizeof *volume, "volume", &err) : NULL;
     if (volume) volume->host = host;
-    if (volume && read_file(volume, path, how, &err))
+    if (volume && read_file(volume, path, how, &err)) {
         *out = volume;
-    else if (volume) {
+        host->users++;
+    } else if (volume) {
         hs_volume_free(&volume->volume);
         free(volume);
     }

@@ -37,9 +37,10 @@ int32_t svh_clipper_open(svh_host *host, const char *path, const char *id, svh_c
     (void)pthread_mutex_lock(&host->lock);
     svh_clipper *clipper = hs_memory(1, sizeof *clipper, "clipper", &err);
     if (clipper) clipper->host = host;
-    if (clipper && open_plugin(clipper, path, id, &err))
+    if (clipper && open_plugin(clipper, path, id, &err)) {
         *out = clipper;
-    else
+        host->users++;
+    } else
         free(clipper);
     return door_leave(host, &err, error);
 }
@@ -47,14 +48,14 @@ int32_t svh_clipper_open(svh_host *host, const char *path, const char *id, svh_c
 void svh_clipper_free(svh_clipper *clipper) {
     hs_error ignored = {0}; /* there is nobody to tell any more */
     if (!clipper) return;
-    svh_host *host = clipper->host;
+    svh_host *const host = clipper->host;
     (void)pthread_mutex_lock(&host->lock);
     door_deactivate(clipper);
     (void)hs_guarded_close(&clipper->plugin, &ignored);
-    (void)pthread_mutex_unlock(&host->lock);
     free(clipper->values);
     free(clipper->marks);
     free(clipper);
+    door_let_go(host);
 }
 
 int32_t svh_clipper_about(const svh_clipper *clipper, svh_plugin *out, svh_error *error) {

@@ -172,9 +172,10 @@ int32_t svh_volume_take(svh_host *host, const svh_voxels *given, svh_volume **ou
     (void)pthread_mutex_lock(&host->lock);
     svh_volume *volume = check(given, &err) ? hs_memory(1, sizeof *volume, "volume", &err) : NULL;
     if (volume) volume->host = host;
-    if (volume && take(volume, given, &err))
+    if (volume && take(volume, given, &err)) {
         *out = volume;
-    else if (volume) {
+        host->users++;
+    } else if (volume) {
         hs_volume_free(&volume->volume);
         free(volume);
     }
@@ -210,7 +211,7 @@ void svh_volume_free(svh_volume *volume) {
         volume->host->on_device--;
         door_rest_device(volume->host);
     }
-    (void)pthread_mutex_unlock(&volume->host->lock);
+    door_let_go(volume->host);
     hs_volume_free(&volume->volume);
     free(volume);
 }

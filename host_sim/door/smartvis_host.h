@@ -13,8 +13,8 @@
  * ERRORS. A function that can fail returns a code, SVH_OK or one of host_sim's exit codes, and fills in
  * `error`, which may be NULL: one sentence with file, field and value.
  *
- * OWNERSHIP. What a function makes is freed by the caller: clippers and volumes before their host. What a
- * pointer in a struct points to, its comment says.
+ * OWNERSHIP. What a function makes is freed by the caller, in any order: a host ends with the last of its
+ * clippers and volumes. What a pointer in a struct points to, its comment says.
  *
  * THREADS. Any thread may call, for any object: calls of one host's objects are one after the other. Two
  * hosts are independent of each other.
@@ -76,7 +76,7 @@ typedef struct svh_host svh_host;
 /* `options` may be NULL. OpenCL is opened by the first call that needs it, once for the host. SVH_USAGE,
  * SVH_MEMORY. */
 SVH_EXPORT int32_t svh_open(const svh_options *options, svh_host **out, svh_error *error);
-SVH_EXPORT void svh_close(svh_host *host); /* NULL is allowed */
+SVH_EXPORT void svh_close(svh_host *host); /* NULL is allowed; nothing more is made of it */
 
 /* The version of the library, "1.0.0"; static. */
 SVH_EXPORT const char *svh_version(void);

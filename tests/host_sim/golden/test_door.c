@@ -226,6 +226,19 @@ static void a_plugin_that_crashes_costs_a_call(void **state) {
     assert_true(!about.guarded);
 }
 
+/* As languages that collect their garbage free them, or a thread that is still at work. */
+static void a_host_outlives_its_opener(void **state) {
+    (void)state;
+    svh_host *const own = host, *brief;
+    door_must(svh_open(NULL, &brief, &told));
+    host = brief;
+    svh_clipper *const clipper = clipper_of(NULL);
+    svh_volume *const volume = read_scan();
+    host = own;
+    svh_close(brief);
+    assert_true(clip(clipper, volume, NULL, NULL).clips);
+}
+
 static void mistakes_are_named(void **state) {
     (void)state;
     svh_volume *volume = read_scan(), *none;
@@ -259,4 +272,5 @@ static void mistakes_are_named(void **state) {
 }
 
 UNIT_MAIN(set_up, tear_down, gives_the_bits_of_run, adjusts_and_activates_anew, marks_change_the_map,
-          one_box_holds_every_view, a_plugin_that_crashes_costs_a_call, mistakes_are_named)
+          one_box_holds_every_view, a_plugin_that_crashes_costs_a_call, a_host_outlives_its_opener,
+          mistakes_are_named)
