@@ -264,5 +264,6 @@ def test_a_process_ends_whatever_it_began_with() -> None:
         "clipper(np.full((24, 24, 24), 9, np.uint8))\n"
         "print('clipped')"
     )
-    ended = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=False, timeout=LONG)
+    command = [sys.executable, "-P", "-c", code]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=LONG)
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "clipped\n", "")
