@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import re
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -102,16 +101,6 @@ def make(name: str, spacing: Any, full: NDArray[np.uint8], clean: NDArray[np.uin
 # ------------------------------------------------------------------------------------------------- files
 
 
-def read(path: str) -> Given:
-    """A volume from a file. Of a MetaImage the spacing is that of its header: SimpleITK rounds it to 12 digits."""
-    of = given(path)
-    if of.spacing is None or not path.endswith((".mha", ".mhd")):
-        return of
-    with open(path, "rb") as file:
-        said = re.search(rb"^ElementSpacing *= *(\S+) (\S+) (\S+)", file.read(1 << 14), re.MULTILINE)
-    return of if said is None else replace(of, spacing=(float(said[1]), float(said[2]), float(said[3])))
-
-
 def levels_of(of: Given, mask: NDArray[np.bool_] | None = None) -> Levels:
     """A file as the machine takes it; `mask` stands for what it finds out of what was scanned."""
     said: dict[str, Any] = {"directions": of.directions, "side": of.said.side, "apex": of.said.apex, "kretz": of.kretz}
@@ -134,7 +123,7 @@ def told_of(levels: Levels, shape: tuple[int, ...], spacing: tuple[float, float,
 
 def volume(path: str) -> Case:
     """A volume without a truth."""
-    of = read(path)
+    of = given(path)
     levels, spacing = levels_of(of), of.spacing or (1.0, 1.0, 1.0)
     told = told_of(levels, levels.levels.shape, spacing)
     return make(Path(path).name, spacing, levels.levels, told=told)
@@ -182,7 +171,7 @@ def files(text: str) -> Case:
     paths = text.split(",")
     if len(paths) not in (3, 5) or not all(paths):
         raise ValueError(f"'{text}': expected FULL,TRUTH,LABEL[,FIRST,END]")
-    of, clean = read(paths[0]), read(paths[1])
+    of, clean = given(paths[0]), given(paths[1])
     for what in ("shape", "spacing"):
         one, other = (getattr(v.voxels, what, None) or v.spacing for v in (of, clean))
         if one != other:

@@ -24,6 +24,7 @@ from sites import Method, Site, Sites, judge_site
 
 from smartvis import _metaimage
 from smartvis._errors import FileError
+from smartvis._volume import given
 
 _TOLD = ("beams", "pose", "nothing")
 _STEP_MM, _POCKET_MM = 0.25, 2.0  # along a ray from voxel to voxel of labels; shorter fluid is none
@@ -126,7 +127,7 @@ class Scan:
     """A volume from a file, and what its labels say, if there are any."""
 
     def __init__(self, path: str) -> None:
-        of = cases.read(path)
+        of = given(path)
         self.name = Path(path).name
         self.levels = cases.levels_of(of)
         self.spacing = of.spacing

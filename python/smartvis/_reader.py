@@ -254,8 +254,10 @@ class Reader:
 
     def _said(self, image: Any) -> Any:
         """Lengths in mm, and a note where the file says none; the probe's side, where it says that."""
-        # What ITK computes from directions is off in the last digits.
-        image.SetSpacing([float(f"{self._scale * length:.12g}") for length in image.GetSpacing()])
+        lengths = [self._scale * length for length in image.GetSpacing()]
+        if "ndims" not in self._fields:  # what ITK computes from directions is off in its last digits
+            lengths = [float(f"{length:.12g}") for length in lengths]
+        image.SetSpacing(lengths)
         image.SetOrigin([self._scale * length for length in image.GetOrigin()])
         tiff = _geometry.tiff_spacing(self.path) if _content.is_tiff(self.path) else ()
         other = tiff or _geometry.in_other_words(self.path, self._fields)

@@ -163,3 +163,10 @@ def test_a_nrrd_without_a_space_gives_results_without_one(tmp_path: Path, scan: 
     nrrd(tmp_path / "bare.nrrd", scan, "spacings: 1.25 1.25 2.5")
     assert main(["clip", str(tmp_path / "bare.nrrd"), "--out", str(tmp_path), "--write", "clipped"]) == 0
     assert b"left" not in (tmp_path / "bare_clipped.nrrd").read_bytes()[:600]
+
+
+def test_a_metaimage_keeps_all_digits_of_its_spacing(tmp_path: Path, scan: np.ndarray) -> None:
+    """As the machine reads them: of a voxel that lies between two pixels a last digit decides to which it goes."""
+    path, said = tmp_path / "scan.mha", ("0.5003821940361699", "0.50216141089195632", "0.5032360990282515")
+    meta(path, scan, f"ElementSpacing = {' '.join(said)}")
+    assert Source(path).read().GetSpacing() == tuple(map(float, said))
