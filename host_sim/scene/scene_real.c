@@ -75,7 +75,8 @@ static void front_row(void *context, uint32_t y) {
 }
 
 void hs_scene_real_front(const hs_volume *given, uint32_t threads, uint32_t *front) {
-    search s = {given, front};
+    search s = {.given = given};
+    s.front = front;
     hs_parallel(threads, given->ny, front_row, &s);
 }
 

@@ -113,8 +113,8 @@ static bool are_changed(const double said[3], const double spacing[3]) {
 
 bool hs_fan_find_scale(const hs_volume *v, const border *b, double share, double *room, double spacing[3]) {
     search s = {.points = malloc((size_t)HS_BORDER_MOST * sizeof *s.points),
-                .room = room,
                 .share = fmax(enough, share + better)};
+    s.room = room;
     if (!s.points || s.share >= 1.0) {
         free(s.points);
         return false;

@@ -59,7 +59,8 @@ static void clip_nothing(const sv_wall_layout *l, float *depth, float *confidenc
 /* Less than half of the dark before the fetus, or a doubtful surface: less confidence for all rays, which
  * keep their order. `share`: of the dark blocks in gaps, of 1000. */
 static void lower_confidence(const sv_wall_layout *l, bool doubtful, uint32_t share, float *confidence) {
-    const float clear = (float)share / (float)(SV_WALL_PER_MILLE / 2);
+    const uint32_t half = SV_WALL_PER_MILLE / 2;
+    const float clear = (float)share / (float)half;
     const float most = doubtful ? l->doubtful_confidence : fminf(clear, 1.0f);
     for (size_t i = 0; i < (size_t)l->width * l->height; i++) confidence[i] = most * confidence[i];
 }
