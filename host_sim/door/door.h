@@ -52,8 +52,11 @@ bool door_open_device(svh_host *host, hs_error *err);
  * last context has gone. */
 void door_rest_device(svh_host *host);
 
-/* What became of values, and of the beams; door_volume.c and door_file.c end with it. */
-void door_find_course(svh_volume *volume);
+/* A volume of the host's without voxels. NULL: HS_ERR_MEMORY. */
+svh_volume *door_volume(svh_host *host, hs_error *err);
+
+/* Hands a volume out that was taken, with what is told of its size and beams; else ends it. */
+void door_hand_out(svh_volume *volume, bool taken, svh_volume **out);
 
 /* The camera of a view, with the smallest box; HS_ERR_INPUT for a place around a patient of whom nothing is
  * said. */
@@ -64,6 +67,9 @@ hs_told door_told(const svh_view *view);
 
 /* The volume on the device, where it stays. */
 hs_device_volume *door_bring(svh_volume *volume, hs_error *err);
+
+/* The slabs' layout of a view's grid: one slab. */
+hs_slab_layout door_layout(const svh_view *view);
 
 /* True if the view has a grid: svh_plan was called. */
 bool door_check_planned(const svh_view *view, hs_error *err);

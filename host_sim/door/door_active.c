@@ -7,17 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-hs_slab_layout door_layout(const svh_view *view) {
-    return (hs_slab_layout){.width = view->n[0],
-                            .height = view->n[1],
-                            .slices = view->n[2],
-                            .slab_slices = view->n[2],
-                            .tiles_x = 1,
-                            .tile_w = view->n[0],
-                            .tile_h = view->n[1],
-                            .row_pitch = view->n[0]};
-}
-
 void door_spacing(const svh_volume *volume, const svh_view *view, float out[3]) {
     const bool unsaid = volume->volume.spacing_unsaid;
     out[0] = out[1] = unsaid ? 0.0f : (float)(view->box[0] / view->n[0]);

@@ -39,9 +39,6 @@ bool door_activate(svh_clipper *clipper, svh_volume *volume, const svh_view *vie
 /* Ends the activation, if there is one. */
 void door_deactivate(svh_clipper *clipper);
 
-/* The slabs' layout of a view's grid: one slab. */
-hs_slab_layout door_layout(const svh_view *view);
-
 /* Of those that are set, the values that only activation reads. NULL with HS_ERR_MEMORY. */
 sv_param_value *door_fixed(const svh_clipper *clipper, uint32_t *count, hs_error *err);
 

@@ -3,8 +3,6 @@
 #include "door/door.h"
 #include "loop/sequence.h"
 
-#include <stdlib.h>
-
 #ifdef SVH_FILES
 
 static bool check(const svh_file *how, hs_error *err) {
@@ -39,7 +37,6 @@ static bool read_file(svh_volume *volume, const char *path, const svh_file *how,
     const hs_levels *levels = hs_sequence_levels(sequence);
     volume->levels = levels ? *levels : (hs_levels){.low = 0.0, .high = 255.0};
     hs_sequence_close(sequence);
-    if (ok) door_find_course(volume);
     return ok;
 }
 
@@ -65,14 +62,7 @@ int32_t svh_volume_read(svh_host *host, const char *path, const svh_file *how, s
     *out = NULL;
     if (!how) how = &defaults;
     (void)pthread_mutex_lock(&host->lock);
-    svh_volume *volume = check(how, &err) ? hs_memory(1, sizeof *volume, "volume", &err) : NULL;
-    if (volume) volume->host = host;
-    if (volume && read_file(volume, path, how, &err)) {
-        *out = volume;
-        host->users++;
-    } else if (volume) {
-        hs_volume_free(&volume->volume);
-        free(volume);
-    }
+    svh_volume *volume = check(how, &err) ? door_volume(host, &err) : NULL;
+    door_hand_out(volume, volume && read_file(volume, path, how, &err), out);
     return door_leave(host, &err, error);
 }

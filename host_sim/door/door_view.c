@@ -37,6 +37,17 @@ hs_told door_told(const svh_view *view) {
     return told;
 }
 
+hs_slab_layout door_layout(const svh_view *view) {
+    return (hs_slab_layout){.width = view->n[0],
+                            .height = view->n[1],
+                            .slices = view->n[2],
+                            .slab_slices = view->n[2],
+                            .tiles_x = 1,
+                            .tile_w = view->n[0],
+                            .tile_h = view->n[1],
+                            .row_pitch = view->n[0]};
+}
+
 bool door_check_planned(const svh_view *view, hs_error *err) {
     return (view->n[0] && view->n[1] && view->n[2]) ||
            hs_fail(err, HS_ERR_USAGE, "svh_view: has no grid: call svh_plan first");
@@ -70,14 +81,7 @@ hs_device_volume *door_bring(svh_volume *volume, hs_error *err) {
 
 static bool convert(svh_volume *volume, const hs_camera *camera, const svh_view *view, uint8_t *voxels,
                     uint16_t *ranges, hs_error *err) {
-    const hs_slab_layout layout = {.width = view->n[0],
-                                   .height = view->n[1],
-                                   .slices = view->n[2],
-                                   .slab_slices = view->n[2],
-                                   .tiles_x = 1,
-                                   .tile_w = view->n[0],
-                                   .tile_h = view->n[1],
-                                   .row_pitch = view->n[0]};
+    const hs_slab_layout layout = door_layout(view);
     const size_t pixels = (size_t)view->n[0] * view->n[1];
     const hs_cl *cl = &volume->host->cl;
     sv_slab slab;

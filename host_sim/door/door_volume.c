@@ -149,7 +149,7 @@ static bool fill_levels(svh_volume *volume, const svh_voxels *v, hs_error *err) 
     return true;
 }
 
-void door_find_course(svh_volume *volume) {
+static void find_course(svh_volume *volume) {
     hs_volume *v = &volume->volume;
     if (!hs_volume_doubt(v, volume->doubt)) volume->doubt[0] = '\0';
     volume->fitted = hs_volume_find_beams(v, &volume->host->fits);
@@ -157,28 +157,36 @@ void door_find_course(svh_volume *volume) {
     hs_course_words(v, volume->beams, sizeof volume->beams);
 }
 
+svh_volume *door_volume(svh_host *host, hs_error *err) {
+    svh_volume *volume = hs_memory(1, sizeof *volume, "volume", err);
+    if (volume) volume->host = host;
+    return volume;
+}
+
+void door_hand_out(svh_volume *volume, bool taken, svh_volume **out) {
+    if (taken) {
+        find_course(volume);
+        volume->host->users++;
+        *out = volume;
+    } else if (volume) {
+        hs_volume_free(&volume->volume);
+        free(volume);
+    }
+}
+
 static bool take(svh_volume *volume, const svh_voxels *given, hs_error *err) {
     if (!find_range(given, &volume->levels, err)) return false;
     const bool same = given->kretz && take_kretz(given, &volume->volume, err);
     if (same) volume->levels.has_outside = false;
-    if (err->code != HS_OK || (!same && !fill_levels(volume, given, err))) return false;
-    door_find_course(volume);
-    return true;
+    return err->code == HS_OK && (same || fill_levels(volume, given, err));
 }
 
 int32_t svh_volume_take(svh_host *host, const svh_voxels *given, svh_volume **out, svh_error *error) {
     hs_error err = {0};
     *out = NULL;
     (void)pthread_mutex_lock(&host->lock);
-    svh_volume *volume = check(given, &err) ? hs_memory(1, sizeof *volume, "volume", &err) : NULL;
-    if (volume) volume->host = host;
-    if (volume && take(volume, given, &err)) {
-        *out = volume;
-        host->users++;
-    } else if (volume) {
-        hs_volume_free(&volume->volume);
-        free(volume);
-    }
+    svh_volume *volume = check(given, &err) ? door_volume(host, &err) : NULL;
+    door_hand_out(volume, volume && take(volume, given, &err), out);
     return door_leave(host, &err, error);
 }
 
