@@ -148,12 +148,12 @@ void hs_scene_noise(hs_field *field, const hs_scene_spec *spec);         /* adds
 void hs_scene_compress(hs_field *field, const hs_scene_spec *spec);      /* envelope to grey, 1 .. 255 */
 void hs_scene_fan(hs_field *field, const hs_scene_spec *spec);           /* grey 0 outside the fan */
 
-/* Speckle: both levels to the envelope, which reaches so many slices to both sides. Slices are drawn,
- * `slices` at a time at most, and finished when those that they reach are drawn; none is finished before
- * `slices` and twice the reach more are drawn. Field and spec are borrowed. NULL: no memory. */
+/* Speckle: both levels to the envelope, which reaches so many slices of `slice_mm` to both sides. Slices are
+ * drawn, `slices` at a time at most, and finished when those that they reach are drawn; none is finished
+ * before `slices` and twice the reach more are drawn. Field and spec are borrowed. NULL: no memory. */
 typedef struct hs_speckle hs_speckle;
+uint32_t hs_speckle_reach(const hs_scene_spec *spec, float slice_mm);
 hs_speckle *hs_speckle_begin(hs_field *field, const hs_scene_spec *spec, uint32_t slices);
-uint32_t hs_speckle_reach(const hs_speckle *speckle);
 void hs_speckle_draw(hs_speckle *speckle);
 void hs_speckle_finish(hs_speckle *speckle);
 void hs_speckle_end(hs_speckle *speckle); /* NULL is allowed */

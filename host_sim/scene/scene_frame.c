@@ -153,8 +153,8 @@ static uint32_t least(uint32_t a, uint32_t b) {
 
 /* Slices that a window may hold at most: those that are not finished, those that are made now, and a brick
  * ahead, because normals look at the next slice. */
-static uint32_t window_room(const hs_field *f, uint32_t reach) {
-    return least((reach > 0 ? reach : 1) + window_step(f) + HS_SCENE_BRICK, f->end);
+static uint32_t window_room(const hs_field *f, uint32_t reach, uint32_t all) {
+    return least((reach > 0 ? reach : 1) + window_step(f) + HS_SCENE_BRICK, all);
 }
 
 /*
@@ -164,7 +164,7 @@ static uint32_t window_room(const hs_field *f, uint32_t reach) {
  */
 static bool make_greys(making *m) {
     hs_field *f = &m->field;
-    const uint32_t step = window_step(f), reach = m->speckle ? hs_speckle_reach(m->speckle) : 0;
+    const uint32_t step = window_step(f), reach = hs_speckle_reach(&m->spec, f->h[2]);
     uint32_t drawn = 0, made = 0, done = 0;
     while (done < f->end) {
         const uint32_t next = least(made + step, f->end), ahead = least(next + HS_SCENE_BRICK, f->end);
@@ -221,14 +221,10 @@ static bool has_style(const hs_scene_spec *spec) {
 static bool init_field(making *m, const uint32_t n[3], const float h[3]) {
     hs_field *f = &m->field;
     const hs_scene_spec *spec = &m->spec;
-    memcpy(f->n, n, sizeof f->n);
-    memcpy(f->h, h, sizeof f->h);
-    f->end = n[2];
     f->greys = m->data->full.voxels;
+    if (!hs_field_init(f, n, window_room(f, hs_speckle_reach(spec, h[2]), n[2]), h, m->err)) return false;
     if (spec->speckle.on && !(m->speckle = hs_speckle_begin(f, spec, window_step(f))))
         return hs_fail(m->err, HS_ERR_MEMORY, "scene %s: no memory for speckle", spec->name);
-    const uint32_t reach = m->speckle ? hs_speckle_reach(m->speckle) : 0;
-    if (!hs_field_init(f, n, window_room(f, reach), h, m->err)) return false;
     if (has_style(spec) && !hs_field_add_style(f, m->err)) return false;
     if (!m->given) return true;
     m->front = hs_memory(hs_field_slice(f), sizeof *m->front, spec->name, m->err);

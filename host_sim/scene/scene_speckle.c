@@ -227,13 +227,21 @@ static void finish_slice(void *context, uint32_t slice) {
     }
 }
 
+static kernel axial_kernel(const hs_scene_spec *spec, float slice_mm) {
+    return gaussian(spec->speckle.axial_mm / slice_mm);
+}
+
+uint32_t hs_speckle_reach(const hs_scene_spec *spec, float slice_mm) {
+    return spec->speckle.on ? (uint32_t)axial_kernel(spec, slice_mm).radius : 0;
+}
+
 hs_speckle *hs_speckle_begin(hs_field *field, const hs_scene_spec *spec, uint32_t slices) {
     hs_speckle *s = calloc(1, sizeof *s);
     if (!s) return NULL;
     s->pass = (hs_pass){field, spec};
     s->width = (field->n[0] + LANES - 1) / LANES * LANES;
     s->plane = (size_t)s->width * field->n[1];
-    s->axial = gaussian(spec->speckle.axial_mm / field->h[2]);
+    s->axial = axial_kernel(spec, field->h[2]);
     make_normal(s->normal);
     s->slices = slices + 2 * (uint32_t)s->axial.radius;
     if (s->slices > field->end) s->slices = field->end;
@@ -246,10 +254,6 @@ hs_speckle *hs_speckle_begin(hs_field *field, const hs_scene_spec *spec, uint32_
 void hs_speckle_end(hs_speckle *s) {
     if (s) free(s->ring);
     free(s);
-}
-
-uint32_t hs_speckle_reach(const hs_speckle *s) {
-    return (uint32_t)s->axial.radius;
 }
 
 void hs_speckle_draw(hs_speckle *s) {
