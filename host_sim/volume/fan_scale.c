@@ -55,7 +55,7 @@ static void try_factor(search *s, const hs_volume *v, const border *b, const dou
 }
 
 /* What makes a cube of the border's box. */
-static void cube(const border *b, double factor[3]) {
+static void find_cube(const border *b, double factor[3]) {
     for (int k = 0; k < 3; k++) {
         double low = b->points[0][k], high = low;
         for (uint32_t i = 1; i < b->count; i++) {
@@ -66,12 +66,11 @@ static void cube(const border *b, double factor[3]) {
     }
 }
 
-/* From a cube, and from what is longer along two axes than along the third. */
-static void try_shapes(search *s, const hs_volume *v, const border *b) {
+/* From the cube, and from what is longer along two axes than along the third. */
+static void try_shapes(search *s, const hs_volume *v, const border *b, const double cube[3]) {
     for (int axis = -1; axis < 3 && !s->found; axis++) {
         double factor[3];
-        cube(b, factor);
-        for (int k = 0; k < 3; k++) factor[k] *= axis >= 0 && k != axis ? longer : 1.0;
+        for (int k = 0; k < 3; k++) factor[k] = cube[k] * (axis >= 0 && k != axis ? longer : 1.0);
         try_factor(s, v, b, factor);
     }
 }
@@ -119,13 +118,14 @@ bool hs_fan_find_scale(const hs_volume *v, const border *b, double share, double
         free(s.points);
         return false;
     }
+    double cube[3], fits[3];
+    find_cube(b, cube);
     for (int turned = 0; turned < 2 && !s.found; turned++) {
         s.turned = turned == 1;
-        try_shapes(&s, v, b);
+        try_shapes(&s, v, b, cube);
     }
     free(s.points);
     if (!s.found) return false;
-    double fits[3];
     if (!are_ordered(v->spacing, s.factor, fits)) keep_said(v->spacing, s.factor, fits);
     if (!are_changed(v->spacing, fits)) return false;
     memcpy(spacing, fits, sizeof fits);

@@ -203,14 +203,19 @@ static bool is_inside(int kind, double x, double y, double z) {
                        : fabs(c * x - s * y) < 0.3 && fabs(s * x + c * y) < 0.25 && fabs(z) < 0.4;
 }
 
+static hs_volume shaped(int kind) {
+    hs_volume v;
+    must(hs_volume_init(&v, 80, 70, 60, &err));
+    for (size_t n = 0; n < hs_volume_count(&v); n++)
+        v.voxels[n] = is_inside(kind, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
+                                (double)(n / 5600) / 60 - 0.5);
+    return v;
+}
+
 static void others_are_none(void **state) {
     for (int kind = 0; kind < 4; kind++)
         for (int stated = 0; stated < 2; stated++) {
-            hs_volume v;
-            must(hs_volume_init(&v, 80, 70, 60, &err));
-            for (size_t n = 0; n < hs_volume_count(&v); n++)
-                v.voxels[n] = is_inside(kind, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
-                                        (double)(n / 5600) / 60 - 0.5);
+            hs_volume v = shaped(kind);
             if (stated) hs_volume_scanned_from(&v, HS_PROBE_HIGH_X);
             (void)hs_volume_find_beams(&v, NULL);
             if (v.course.kind != (stated ? HS_BEAMS_PARALLEL : HS_BEAMS_UNKNOWN))
@@ -316,13 +321,9 @@ static void a_transposed_scan_is_asked_about(void **state) {
 /* A ball is none from any face, and tells nothing of its spacing. What narrows to the stated face and is no
  * fan with any one axis mended is a doubt. */
 static void a_stated_face_without_a_fan_is_doubted(void **state) {
-    hs_volume v;
+    hs_volume v = shaped(2);
     char question[160];
     double apex[3], fits[3];
-    must(hs_volume_init(&v, 80, 70, 60, &err));
-    for (size_t n = 0; n < hs_volume_count(&v); n++)
-        v.voxels[n] = is_inside(2, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
-                                (double)(n / 5600) / 60 - 0.5);
     hs_volume_scanned_from(&v, HS_PROBE_HIGH_X);
     (void)hs_volume_find_beams(&v, NULL);
     hs_course_question(&v, question, sizeof question);
@@ -337,10 +338,7 @@ static void a_stated_face_without_a_fan_is_doubted(void **state) {
     hs_volume_free(&v);
     hs_volume_free(&copy);
 
-    must(hs_volume_init(&v, 80, 70, 60, &err));
-    for (size_t n = 0; n < hs_volume_count(&v); n++)
-        v.voxels[n] = is_inside(4, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
-                                (double)(n / 5600) / 60 - 0.5);
+    v = shaped(4);
     hs_volume_scanned_from(&v, HS_PROBE_HIGH_X);
     (void)hs_volume_find_beams(&v, NULL);
     hs_course_question(&v, question, sizeof question);
@@ -351,14 +349,9 @@ static void a_stated_face_without_a_fan_is_doubted(void **state) {
 /* One level in all corners that somebody said was scanned: it may be what lies outside of a fan. Where it was
  * looked for, or a corner has an echo, nothing is asked. */
 static void corners_of_one_level_are_asked_about(void **state) {
-    hs_volume v;
     char question[160];
-    must(hs_volume_init(&v, 80, 70, 60, &err));
-    for (size_t n = 0; n < hs_volume_count(&v); n++)
-        v.voxels[n] = is_inside(2, (double)(n % 80) / 80 - 0.5, (double)(n / 80 % 70) / 70 - 0.5,
-                                (double)(n / 5600) / 60 - 0.5)
-                          ? (uint8_t)(80 + n % 41)
-                          : 12;
+    hs_volume v = shaped(2);
+    for (size_t n = 0; n < hs_volume_count(&v); n++) v.voxels[n] = v.voxels[n] ? (uint8_t)(80 + n % 41) : 12;
     for (int kind = 0; kind < 3; kind++) {
         v.zeros_guessed = kind == 1;
         if (kind == 2) v.voxels[5] = 13;
