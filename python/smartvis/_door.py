@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The machine as a library (docs/host_library.md), as its header says: structs, numbers and functions are read from
-smartvis_host.h. ``tests/test_door.py`` compiles the header and compares every size, offset and number."""
+smartvis_host.h. ``tests/test_abi.py`` compiles the header and compares every size, offset and number."""
 
 from __future__ import annotations
 
