@@ -135,6 +135,11 @@ def _first(layers: Sequence[Any], sequence: str, name: str) -> Any:
     return None
 
 
+def _count(value: Any) -> float:
+    """What volumes are in order of: of what is no number, all are equal."""
+    return float(value) if isinstance(value, int | float) else 0.0
+
+
 def _numbers(value: Any, count: int) -> NDArray[np.float64] | None:
     if value is None:
         return None
@@ -193,6 +198,7 @@ def _which(frame: Frame, layers: Sequence[Any], index: int) -> None:
     number = layers[-1].get("InstanceNumber")
     frame.marks = {
         "time": _first(layers, content, "TemporalPositionIndex") or layers[-1].get("TemporalPositionIdentifier"),
+        "time offset": _first(layers, "TemporalPositionSequence", "TemporalPositionTimeOffset"),
         "stack": _first(layers, content, "StackID"),
         "kind": str(_first(layers, "ImageDataTypeSequence", "DataType") or layers[-1].get("ImageType", "")),
         "trigger time": layers[-1].get("TriggerTime"),
@@ -231,8 +237,8 @@ def _divide(frames: list[Frame], number: int, groups: int) -> list[Volume]:
         for frame in frames:
             parts[str(frame.marks[mark])].append(frame)
         if all(len({along[id(f)] for f in part}) == len(part) == places for part in parts.values()):
-            names = (f"{series}{', ' if series else ''}{mark} {value}" for value in parts)
-            return [_volume(part, name) for name, part in zip(names, parts.values(), strict=True)]
+            in_turn = sorted(parts.items(), key=lambda one: _count(one[1][0].marks[mark]))
+            return [_volume(part, f"{series}{', ' if series else ''}{mark} {value}") for value, part in in_turn]
     raise FileError(
         f"{frames[0].path}: it and others, {len(frames)} pictures, lie at {places} places, some more often than "
         "others: which of them make up a volume is not said"

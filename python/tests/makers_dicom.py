@@ -213,6 +213,25 @@ def with_flow(path: Path, voxels: np.ndarray) -> None:
     data.save_as(path)
 
 
+def by_offset(path: Path, times: Sequence[np.ndarray], dice: np.random.Generator) -> None:
+    """Volumes whose frames lie in any order, and say their time in seconds alone, as the standard wants it of Enhanced US
+    Volumes (PS3.3 C.7.6.16.2.6)."""
+    import pydicom
+
+    enhanced(path, times[0], times=len(times))
+    data = pydicom.dcmread(path)
+    frames = data.PerFrameFunctionalGroupsSequence
+    for number, frame in enumerate(frames):
+        offset = pydicom.Dataset()
+        offset.TemporalPositionTimeOffset = 0.04 * (number // 48)
+        frame.TemporalPositionSequence = [offset]
+        del frame.FrameContentSequence[0].TemporalPositionIndex
+    order = dice.permutation(len(frames))
+    data.PerFrameFunctionalGroupsSequence = [frames[number] for number in order]
+    data.PixelData = np.concatenate(times)[order].tobytes()
+    data.save_as(path)
+
+
 def far_probe(path: Path, voxels: np.ndarray) -> None:
     """Its slices run towards the probe, and it says where the apex of the fan is."""
     changed(path, voxels[::-1], UltrasoundAcquisitionGeometry="APEX", ApexPosition=[59.0, 59.0, 180.0])

@@ -17,7 +17,7 @@ import SimpleITK as sitk
 import tifffile
 from conftest import LONG, host
 from makers import SPACING, nrrd, written
-from makers_dicom import by_table
+from makers_dicom import by_offset, by_table
 from users import NAMES, RIGHT, SAID, TOLD, expected
 
 import smartvis
@@ -100,6 +100,15 @@ def test_every_kind_is_the_plain_file(tmp_path: Path, scan: np.ndarray, plain_mm
             wanted = smartvis.clip(expected(name, scan), SPACING, scanned="zeros")
             assert np.array_equal(result.depth, wanted.depth) and not result.doubt
             assert name == "outside.mha" or abs(result.depth_mm.mean() - plain_mm) < 2
+
+
+def test_volumes_follow_their_time(tmp_path: Path, scan: np.ndarray) -> None:
+    times = [scan, scan // 2, scan // 3]
+    by_offset(tmp_path / "any.dcm", times, np.random.default_rng(5))
+    source = Source(tmp_path / "any.dcm")
+    assert source.count == 3 and source.names == ["time offset 0.0", "time offset 0.04", "time offset 0.08"]
+    for number, voxels in enumerate(times):
+        assert np.array_equal(sitk.GetArrayFromImage(source.read(number)), voxels)
 
 
 @pytest.mark.parametrize("name", SAID)
