@@ -60,7 +60,8 @@ install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION share/doc/s
 install(DIRECTORY docs DESTINATION share/doc/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.jpg")
 
 if(TARGET smartvis_host)
-  install(TARGETS smartvis_host LIBRARY DESTINATION lib RUNTIME DESTINATION bin ARCHIVE DESTINATION lib COMPONENT smartvis)
+  install(TARGETS smartvis_host LIBRARY DESTINATION lib COMPONENT smartvis NAMELINK_COMPONENT dev
+    RUNTIME DESTINATION bin COMPONENT smartvis ARCHIVE DESTINATION lib COMPONENT dev)
   install(FILES host_sim/door/smartvis_host.h DESTINATION include COMPONENT dev)
 endif()
 install(DIRECTORY include/ DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """abi_types.py DUMP.xml: the structs of an ABI as libabigail's abidw sees it, a line each for the size and for every field:
-STRUCT.FIELD BYTE TYPE, or STRUCT size BYTES. Types are told down to C's own, so that another name of the same type is none."""
+STRUCT.FIELD BYTE TYPE, or STRUCT size BYTES. A variable is_NAME is a pointer to the function NAME: NAME function TYPE. Types are told down to
+C's own, so that another name of the same type is none."""
 
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -35,6 +36,9 @@ def main():
             field = member.find("var-decl")
             byte = int(member.get("layout-offset-in-bits")) // 8
             lines.append(f"{struct.get('name')}.{field.get('name')} {byte} {told(field.get('type-id'))}")
+    for variable in root.findall("abi-instr/var-decl"):
+        function = nodes[variable.get("type-id")].get("type-id")
+        lines.append(f"{variable.get('name').removeprefix('is_')} function {told(function)}")
     print("\n".join(sorted(lines)))
 
 

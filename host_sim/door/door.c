@@ -2,13 +2,14 @@
 #include "door/door.h"
 
 #include "render/host_kernels.h"
+#include "sv_version.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 const char *svh_version(void) {
-    return HS_VERSION;
+    return SV_VERSION;
 }
 
 /* --------------------------------------------------------------------------------------------- errors -- */

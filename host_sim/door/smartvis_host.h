@@ -78,7 +78,7 @@ typedef struct svh_host svh_host;
 SVH_EXPORT int32_t svh_open(const svh_options *options, svh_host **out, svh_error *error);
 SVH_EXPORT void svh_close(svh_host *host); /* NULL is allowed; nothing more is made of it */
 
-/* The version of the library, "1.0.0"; static. */
+/* The version of the library with its commit, "1.0.0+6da99c0a3f21"; static. */
 SVH_EXPORT const char *svh_version(void);
 
 /* -------------------------------------------------------------------------------------------- volume -- */

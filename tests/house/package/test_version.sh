@@ -33,6 +33,8 @@ software='import sys; png = open(sys.argv[1], "rb").read(); print(png[50 : 41 + 
 holds built pictures "$(python3 -c "$software" "$work/result.png" | sed -n 's/^SmartVis //p')"
 SMARTVIS_CHECK_PLUGIN=$build/smartvis.so SMARTVIS_RECORD=$work/recording holds "$build/host_sim" list --plugin "$build/smartvis_check.so" > "$work/list"
 holds built "the checking layer" "$("$build/sv_replay" --list "$work/recording" | sed -n 's/.*SmartVis checking layer \([^ ]*\)$/\1/p')"
+version_of='import ctypes, sys; f = ctypes.CDLL(sys.argv[1]).svh_version; f.restype = ctypes.c_char_p; print(f().decode())'
+holds built libsmartvis_host "$(python3 -c "$version_of" "$build/libsmartvis_host.so")"
 holds built org.smartvis.clip "$("$build/host_sim" list | sed -n 's/^org\.smartvis\.clip \([^ ]*\): .*/\1/p')"
 
 # --- the changelog: what is not released, then this version with its day

@@ -7,7 +7,6 @@
 # Requirement: R16.
 set -u
 source_dir=$1
-checked=0 failed=0 change=0
 # shellcheck source=tests/support/holds.sh
 . "$source_dir/tests/support/holds.sh"
 guard() { bash "$source_dir/scripts/check_abi.sh" "$@" > "$work/said" 2>&1; }
@@ -21,32 +20,9 @@ fi
 holds test $code = 0
 holds test ! -s "$work/said"
 
-# change HEADER PERL: a fresh copy of the headers, changed; the change must change something.
-change() {
-    rm -rf "$work/include"
-    cp -r "$source_dir/include" "$work/include"
-    perl -0pi -e "$2" "$work/include/$1"
-    ! cmp -s "$source_dir/include/$1" "$work/include/$1"
-}
-today() { [ -n "${SV_NIGHT:-}" ] || [ $((change++ % 4)) = 0 ]; }
-refused() { # refused WORDS HEADER PERL
-    today || return 0
-    checked=$((checked + 1))
-    if ! change "$2" "$3" || guard "$work/include" || ! grep -qF -- "$1" "$work/said"; then
-        echo "FAIL: not refused with '$1': $2: $3"
-        cat "$work/said"
-        failed=$((failed + 1))
-    fi
-}
-allowed() { # allowed HEADER PERL
-    today || return 0
-    checked=$((checked + 1))
-    if ! change "$1" "$2" || ! guard "$work/include"; then
-        echo "FAIL: not allowed: $1: $2"
-        cat "$work/said"
-        failed=$((failed + 1))
-    fi
-}
+folder=$source_dir/include
+# shellcheck source=tests/support/changes.sh
+. "$source_dir/tests/support/changes.sh"
 h=smartvis_plugin.h
 
 # --- fields: wider, of another sign, renamed, swapped, gone, inserted
