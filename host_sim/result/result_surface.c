@@ -73,25 +73,36 @@ typedef struct {
     uint8_t *mask;
 } masking;
 
-static void mask_slice(void *context, uint32_t z) {
-    const masking *m = context;
+enum { STRIP = 64 }; /* voxels of a row */
+
+/* The depths of a strip's rays, which are those of all slices if z does not move them. */
+static void mask_strip(const masking *m, uint32_t x0, uint32_t y) {
     const voxel_to_map *t = &m->to_map;
-    uint8_t *out = m->mask + (size_t)z * m->volume->nx * m->volume->ny;
-    for (uint32_t y = 0; y < m->volume->ny; y++) {
-        double row[3];
+    const hs_volume *v = m->volume;
+    const uint32_t count = v->nx - x0 < STRIP ? v->nx - x0 : STRIP;
+    const bool along_z = t->step[2][0] == 0.0 && t->step[2][1] == 0.0;
+    double depth[STRIP], row[3];
+    for (uint32_t z = 0; z < v->nz; z++) {
+        uint8_t *out = m->mask + ((size_t)z * v->ny + y) * v->nx + x0;
         for (int k = 0; k < 3; k++) row[k] = t->origin[k] + y * t->step[1][k] + z * t->step[2][k];
-        for (uint32_t x = 0; x < m->volume->nx; x++) {
-            const double depth = depth_at(m->maps, row[0] + x * t->step[0][0], row[1] + x * t->step[0][1]);
-            *out++ = depth == 0.0 || row[2] + x * t->step[0][2] >= depth;
-        }
+        for (uint32_t i = 0; i < count && (z == 0 || !along_z); i++)
+            depth[i] =
+                depth_at(m->maps, row[0] + (x0 + i) * t->step[0][0], row[1] + (x0 + i) * t->step[0][1]);
+        for (uint32_t i = 0; i < count; i++)
+            out[i] = depth[i] == 0.0 || row[2] + (x0 + i) * t->step[0][2] >= depth[i];
     }
+}
+
+static void mask_row(void *context, uint32_t y) {
+    const masking *m = context;
+    for (uint32_t x = 0; x < m->volume->nx; x += STRIP) mask_strip(m, x, y);
 }
 
 void hs_result_mask(const hs_maps *maps, const hs_volume *volume,
                     uint8_t *mask) { /* NOLINT(readability-non-const-parameter) */
     masking m = {.maps = maps, .volume = volume, .mask = mask};
     find_voxel_to_map(maps, volume, &m.to_map);
-    hs_parallel(hs_thread_count(0), volume->nz, mask_slice, &m);
+    hs_parallel(hs_thread_count(0), volume->ny, mask_row, &m);
 }
 
 enum { NONE = -1 };
@@ -181,15 +192,17 @@ static void place_vertices(const surface *s, float (*vertices)[3]) {
 }
 
 /* The picture's x runs right, y down and depth away: upper left, lower left, upper right turns against the
- * clock for who looks at it. */
+ * clock for who looks at it; along left-handed axes the other way round. */
 static void place_triangles(const surface *s, int32_t (*out)[3]) {
     const uint32_t w = s->maps->width;
+    const bool mirrored = hs_pose_is_mirrored(&s->grid.pose);
     for (uint32_t y = 0; y + 1 < s->maps->height; y++)
         for (uint32_t x = 0; x + 1 < w; x++) {
             const size_t i = (size_t)y * w + x;
             const int32_t *n = s->number + i;
             if (!is_cell(s, i)) continue;
-            const int32_t cell[2][3] = {{n[0], n[w], n[1]}, {n[1], n[w], n[w + 1]}};
+            const int32_t *a = mirrored ? n + 1 : n + w, *b = mirrored ? n + w : n + 1;
+            const int32_t cell[2][3] = {{n[0], *a, *b}, {*b, *a, n[w + 1]}};
             memcpy(out, cell, sizeof cell);
             out += 2;
         }
