@@ -128,9 +128,12 @@ bool door_open_device(svh_host *host, hs_error *err) {
     return host->cl.context || hs_cl_open(&host->cl, err);
 }
 
+uint32_t svh_rests_after(void) {
+    return 16;
+}
+
 void door_rest_device(svh_host *host) {
-    static const uint32_t often = 16;
-    if (host->on_device > 0 || host->ended < often) return;
+    if (host->on_device > 0 || host->ended < svh_rests_after()) return;
     hs_cl_close(&host->cl);
     host->ended = 0;
 }

@@ -78,6 +78,10 @@ typedef struct svh_host svh_host;
 SVH_EXPORT int32_t svh_open(const svh_options *options, svh_host **out, svh_error *error);
 SVH_EXPORT void svh_close(svh_host *host); /* NULL is allowed; nothing more is made of it */
 
+/* A runtime keeps a part of every activation that was, until OpenCL is closed: that happens after so many of
+ * a host have ended, once nothing of it is on the device. Who keeps clippers ends all of them as often. */
+SVH_EXPORT uint32_t svh_rests_after(void);
+
 /* The version of the library with its commit, "1.0.0+6da99c0a3f21"; static. */
 SVH_EXPORT const char *svh_version(void);
 

@@ -33,7 +33,6 @@ from ._volume import (
 )
 
 _Marks = list[tuple[tuple[float, ...], bool]]
-_RESTS = 16  # as many instances end, then all do
 
 
 class ClipperCache:
@@ -78,7 +77,7 @@ class ClipperCache:
         """For one more. Now and then all end: only then the machine's device can rest, until which the runtime keeps a
         part of every instance that was."""
         self._ended += len(self._instances) >= self._most
-        most = 1 if self._ended and self._ended % _RESTS == 0 else self._most
+        most = 1 if self._ended and self._ended % _door.library().svh_rests_after() == 0 else self._most
         while len(self._instances) >= most:
             self._instances.popitem(last=False)[1].close()
 
