@@ -149,20 +149,15 @@ class Result:
         return save(self, Path(path))
 
     def surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """The clipping surface as triangles: vertices in mm and faces, whose front looks at the camera.
+        """The clipping surface as triangles: vertices in mm and faces, whose front looks at the camera; those of
+        host_sim's surface.ply.
 
-        A vertex is a pixel that clips. Of a SimpleITK image they lie in its world, as its results' files do; of an
-        array along x, y, z from the centre of voxel (0, 0, 0). Both are empty if nothing is clipped.
+        A vertex is a pixel that clips in the volume; cells that are steps have no faces. Of a SimpleITK image they lie
+        in its world; of an array along x, y, z from the centre of voxel (0, 0, 0). Both are empty if nothing is
+        clipped.
         """
-        clips = (self.depth > 0) & self.clips
-        number = np.cumsum(clips.ravel()).reshape(clips.shape) - 1
-        y, x = np.nonzero(clips)
-        vertices = self.camera.to_volume_mm(np.stack([x, y, self.depth[y, x]], axis=-1))
-        whole = clips[:-1, :-1] & clips[:-1, 1:] & clips[1:, :-1] & clips[1:, 1:]
-        a, b = number[:-1, :-1][whole], number[:-1, 1:][whole]
-        c, d = number[1:, :-1][whole], number[1:, 1:][whole]
-        faces = np.concatenate([np.stack([a, c, b], -1), np.stack([b, c, d], -1)]).astype(np.int64)
+        if not self.clips:
+            return np.empty((0, 3)), np.empty((0, 3), np.int64)
         if not _images.is_image(self.source):
-            return vertices, faces
-        turned = np.linalg.det(_images.axes(self.source)) < 0  # by left-handed axes the front becomes the back
-        return _images.in_world(self.source, vertices), faces[:, ::-1] if turned else faces
+            return self.camera.surface(self.depth)
+        return self.camera.surface(self.depth, self.source.GetDirection(), self.source.GetOrigin())

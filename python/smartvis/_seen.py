@@ -48,9 +48,11 @@ class Levels:
         directions: Sequence[float] | None = None,
         side: str | None = None,
         apex: Sequence[float] | None = None,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
         kretz: tuple[str, int, bool] | None = None,
     ) -> None:
-        """`apex`: where the lines meet, mm from the volume's corner, if `side` is known.
+        """`apex`: where the lines meet, mm from the volume's corner, if `side` is known. `origin`: where the centre of
+        the first voxel lies, in mm of the world that `directions` lead in.
         `kretz`: what the volume is the Cartesian copy of, file, number and mirror: the machine sees that.
         ValueError: the volume cannot be taken, and why."""
         if volume.dtype.kind not in "uifb":
@@ -64,6 +66,7 @@ class Levels:
         v.n[:] = volume.shape[::-1]
         v.spacing[:] = spacing or (1.0, 1.0, 1.0)
         v.direction[:] = (0.0,) * 9 if directions is None else directions
+        v.origin[:] = origin
         v.window[:] = window or (0.0, 0.0)
         v.probe, v.probe_said = (SIDES.index(side), 1) if side is not None else (0, 0)
         v.apex_said = side is not None and apex is not None
@@ -130,6 +133,31 @@ class Levels:
             own.place[:], own.radius, own.keep = at[:3], at[3], keep
         count = len(marks)
         _door.call("svh_mark_depth", self.handle, ctypes.byref(grid.view), ctypes.byref(array), count, _at(depth))
+
+    def mask(self, grid: Grid, depth: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """True where a voxel does not lie before the grid's depthmap."""
+        kept = np.empty(self._shape, np.uint8)
+        own = np.ascontiguousarray(depth, np.float32)
+        _door.call("svh_mask", self.handle, ctypes.byref(grid.view), _at(own), _at(kept))
+        return kept.view(np.bool_)
+
+    def surface(self, grid: Grid, depth: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Vertices in mm of the world, and triangles, whose front is towards the camera."""
+        own = np.ascontiguousarray(depth, np.float32)
+        mesh = _door.sized("svh_mesh")
+        _door.call("svh_surface", self.handle, ctypes.byref(grid.view), _at(own), ctypes.byref(mesh))
+        vertices = _copied(mesh.vertices, ctypes.c_float, mesh.vertex_count, np.float64)
+        triangles = _copied(mesh.triangles, ctypes.c_int32, mesh.triangle_count, np.int64)
+        _door.library().svh_mesh_free(ctypes.byref(mesh))
+        return vertices, triangles
+
+
+def _copied(address: int, kind: Any, count: int, into: Any) -> NDArray[Any]:
+    """An array [count, 3] of C's numbers there."""
+    if not count:
+        return np.empty((0, 3), into)
+    own: Any = (kind * (3 * count)).from_address(address)
+    return np.frombuffer(own, kind).astype(into).reshape(-1, 3)
 
 
 def look_bytes(shape: Sequence[int]) -> int:

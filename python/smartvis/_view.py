@@ -7,6 +7,7 @@ The plugin looks along +z of what it gets, on the grid that the machine makes of
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,24 +58,30 @@ class Camera:
         return fine.shape == self.shape and bool(np.allclose(fine.spacing, self.spacing, rtol=1e-9))
 
     def behind(self, depth: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """True where a voxel of the volume does not lie before the surface: as host_sim's results have it, to the
-        bit."""
-        matrix, offset = self.from_volume()
-        out = np.empty(self.source_shape, bool)
-        slices, height, width = self.source_shape
-        values = depth.astype(np.float64)
+        """True where a voxel of the volume does not lie before the surface."""
+        levels, grid = self._machines()
+        return levels.mask(grid, depth)
 
-        def place(axis: int, x: Any, y: Any, z: int) -> Any:
-            return offset[axis] + y * matrix[axis, 1] + z * matrix[axis, 2] + x * matrix[axis, 0]
+    def surface(
+        self,
+        depth: NDArray[np.float32],
+        directions: Sequence[float] | None = None,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """The depthmap as vertices and triangles, in mm from the centre of the volume's first voxel, or in the world
+        that an image's directions and origin say."""
+        levels, grid = self._machines(directions, origin)
+        return levels.surface(grid, depth)
 
-        rows = _PIECE // width + 1
-        for top in range(0, height, rows):
-            y, x = np.mgrid[top : min(top + rows, height), :width]
-            for z in range(slices):
-                if z == 0 or matrix[:2, 2].any():  # else the rays of all slices are the same
-                    found = between(values, place(0, x, y, z), place(1, x, y, z))
-                out[z, top : top + rows] = (found <= 0) | (place(2, x, y, z) >= found)
-        return out
+    def _machines(
+        self, directions: Sequence[float] | None = None, origin: Sequence[float] = (0.0, 0.0, 0.0)
+    ) -> tuple[Levels, Grid]:
+        """A volume of this place with nothing in it, as the machine has it, and this camera's grid."""
+        nothing = np.zeros(self.source_shape, np.uint8)
+        levels = Levels(nothing, self.source_spacing, scanned="all", directions=directions, origin=origin)
+        grid = levels.plan(self.rotation, self.shape[2])
+        grid.view.n[:] = self.shape[::-1]
+        return levels, grid
 
     def from_volume(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Matrix and offset from voxel indices (x, y, z) of the volume to those of the camera."""
@@ -114,7 +121,6 @@ def between(depth: NDArray[Any], x: NDArray[np.float64], y: NDArray[np.float64])
     return np.asarray(above + down * (below - above))
 
 
-_PIECE = 1 << 15  # voxels whose places are computed at a time: of each a score of numbers
 _MOST = 1024  # pixels across a map, for the host
 _WIDEST = 2048  # voxels across, seen along any view
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The same bits as host_sim run --write for the same file: depthmap, confidence, status, mask and clipped volume.
+"""The same bits as host_sim run --write for the same file: depthmap, confidence, status, mask, surface and clipped
+volume.
 Requirement: R15."""
 
 from pathlib import Path
@@ -27,7 +28,7 @@ def scan(tmp_path_factory) -> Path:
 
 @pytest.mark.parametrize("method", ["mean", "wall"])
 def test_the_host_and_python_give_the_same_bits(scan: Path, tmp_path: Path, method: str) -> None:
-    kinds = ["depthmap", "status", "clipped", "mask"] + ["confidence"] * (method != "mean")
+    kinds = ["depthmap", "status", "clipped", "mask", "surface"] + ["confidence"] * (method != "mean")
     what = ["--set", f"method={method}", "--set", "q=0.4", "--write", ",".join(kinds), "--out", tmp_path]
     host_sim("run", "--volume", scan, "--picture", 32, "--frames", 1, "--setting", "smartvis", *what)
     image = sitk.ReadImage(str(scan))
@@ -39,6 +40,11 @@ def test_the_host_and_python_give_the_same_bits(scan: Path, tmp_path: Path, meth
         assert result.confidence is not None
         assert np.array_equal(read(tmp_path, "confidence")[0], result.confidence)
     assert np.array_equal(read(tmp_path, "mask") > 0, result.mask())
+    vertices, triangles = result.surface()
+    ply = (tmp_path / "surface.ply").read_bytes()
+    corners = np.array([3], np.uint8)
+    faces = b"".join(corners.tobytes() + face.astype("<i4").tobytes() for face in triangles)
+    assert ply.endswith(b"end_header\n" + vertices.astype("<f4").tobytes() + faces)
     assert np.array_equal(read(tmp_path, "clipped"), sitk.GetArrayFromImage(result.apply(image)))
 
 

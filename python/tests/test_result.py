@@ -66,6 +66,11 @@ def test_an_unknown_spacing_stays_unknown(tmp_path: Path, volume: np.ndarray) ->
     assert not smartvis.clip(path).spacing_known
 
 
+def looks_at_the_camera(vertices: np.ndarray, faces: np.ndarray, forward: np.ndarray) -> bool:
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    return bool((np.cross(b - a, c - a) @ forward < 0).all())
+
+
 @pytest.mark.parametrize("directions", [(0, 0, 1, 1, 0, 0, 0, 1, 0), LEFT_HANDED])
 def test_the_surface_of_an_image_lies_in_its_world(directions: tuple) -> None:
     voxels = layers((40, 36, 32))
@@ -76,8 +81,11 @@ def test_the_surface_of_an_image_lies_in_its_world(directions: tuple) -> None:
     world = [image.TransformContinuousIndexToPhysicalPoint((at / image.GetSpacing()).tolist()) for at in plain]
     assert len(vertices) > 500 and np.allclose(vertices, world)
     forward = np.array(directions, float).reshape(3, 3) @ result.camera.rotation[2]
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    assert (np.cross(b - a, c - a) @ forward < 0).all() and faces.shape == plain_faces.shape  # they look at the camera
+    assert looks_at_the_camera(vertices, faces, forward) and faces.shape == plain_faces.shape
+    seen = smartvis.clip(image, view="anterior").camera  # along left-handed axes its own are left-handed, too
+    mesh = seen.surface(np.full(seen.shape[1:], seen.shape[0] / 2, np.float32), directions)
+    forward = np.array(directions, float).reshape(3, 3) @ seen.rotation[2]
+    assert len(mesh[1]) > 500 and looks_at_the_camera(*mesh, forward)
 
 
 def test_a_quick_look_takes_what_clip_took(tmp_path: Path) -> None:
