@@ -58,6 +58,7 @@ install(DIRECTORY data/scenes DESTINATION share/smartvis COMPONENT smartvis FILE
   PATTERN "*.mha")
 install(FILES LICENSE README.md CHANGELOG.md SECURITY.md DESTINATION share/doc/smartvis COMPONENT smartvis)
 install(DIRECTORY docs DESTINATION share/doc/smartvis COMPONENT smartvis FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.jpg")
+install(DIRECTORY lab/notes DESTINATION share/doc/smartvis/lab COMPONENT smartvis)
 
 if(TARGET smartvis_host)
   install(TARGETS smartvis_host LIBRARY DESTINATION lib COMPONENT smartvis NAMELINK_COMPONENT dev
