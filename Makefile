@@ -190,8 +190,8 @@ lint: # format, house rules, links, floors, clang warnings, clang-tidy, kernels,
 	@$(call build,build-clang,-DCMAKE_C_COMPILER=clang -DSV_WERROR=ON,embedded)
 	@scripts/lint.sh build-clang $(JOBS)
 
-lines: # files and lines of each part of the house
-	@scripts/lines.sh
+lines: # files, lines and includes of the parts of the house, words of the pages; COMMIT=...: of that commit
+	@scripts/lines.sh $(COMMIT)
 
 format: # apply .clang-format to all C and OpenCL C, ruff's format to Python
 	@$(SETUP) $(LINT_PACKAGES)
