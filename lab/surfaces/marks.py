@@ -100,7 +100,7 @@ class _Keeper:
         self._seen, self._radius = seen, radius
         width_mm, _, self._slice = seen.voxel_mm
         box = np.array([seen.grid.box[0], seen.grid.box[0], seen.grid.box[1]])
-        self._from_middle = seen.from_middle(place)
+        self._from_middle = seen.camera.from_middle(place)
         at = (self._from_middle + 0.5 * box) / np.array([width_mm, width_mm, self._slice]) - 0.5
         _, height, width = seen.grid.shape
         y, x = np.mgrid[:height, :width]
@@ -148,7 +148,7 @@ class _Keeper:
             run = self._run(threshold, max(0.0, z - reach)) if threshold >= least else None
             if run and run[0] <= z < run[1] and max(run[0] - 1, 0) < start:
                 away = (z + 0.5) * self._slice - 0.5 * self._seen.grid.box[1]
-                return self._seen.place(np.array([*self._from_middle[:2], away]))
+                return self._seen.camera.in_volume(np.array([*self._from_middle[:2], away]))
         return None
 
 
@@ -167,7 +167,7 @@ def _mark(seen: Seen, ray: tuple[int, int], radius: float, keep: bool, depth: De
     y, x = ray
     slices, height, width = seen.grid.shape
     shares = np.array([(x + 0.5) / width, (y + 0.5) / height, (_seen_at(seen, y, x, depth) + 0.5) / slices])
-    found = seen.place((shares - 0.5) * np.array([seen.grid.box[0], seen.grid.box[0], seen.grid.box[1]]))
+    found = seen.camera.in_volume((shares - 0.5) * np.array([seen.grid.box[0], seen.grid.box[0], seen.grid.box[1]]))
     place = _Keeper(seen, found, radius).find(depth) if keep else found
     return None if place is None else ((*map(float, place), radius), keep)
 

@@ -115,14 +115,6 @@ def _first_stop(kind: NDArray[np.uint8], begin: NDArray[np.int64], end: NDArray[
 # ------------------------------------------------------------------------------------------- turned cameras
 
 
-def _turn(degrees: float) -> tuple[float, float]:
-    """Cosine and sine, exact at multiples of 90 degrees, as the machine has them."""
-    quarter = degrees / 90.0
-    if quarter == round(quarter):
-        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarter) % 4]
-    return math.cos(degrees * 0.017453292519943295), math.sin(degrees * 0.017453292519943295)
-
-
 class Scan:
     """A volume from a file, and what its labels say, if there are any."""
 
@@ -139,11 +131,8 @@ class Scan:
 
     def seen(self, view: tuple[float, float], around: bool = False) -> Seen:
         """The volume as a camera sees it that is turned by yaw and pitch."""
-        (cy, sy), (cp, sp) = (_turn(angle) for angle in view)
-        turn = np.array([[cy, sy * sp, sy * cp], [0.0, cp, -sp], [-sy, cy * sp, cy * cp]])
-        start = self.levels.plan().rotation.T
-        rotation = start[:, [0]] * turn[0] + start[:, [1]] * turn[1] + start[:, [2]] * turn[2]
-        return Seen(self.levels, self.levels.plan(rotation.T, around=around), self.spacing or (1.0, 1.0, 1.0))
+        grid = self.levels.plan(turn=view, around=around)
+        return Seen(self.levels, grid, self.spacing or (1.0, 1.0, 1.0))
 
     def _rays_anew(self, view: tuple[float, float]) -> Rays:
         assert self._labels is not None

@@ -72,20 +72,6 @@ class Seen:
         sums, count = (_around(a.astype(np.uint16)) for a in (level, level != 0))
         return self._sampled((sums // np.maximum(count, 1)).astype(np.uint8))
 
-    def place(self, seen: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where what lies so many mm right, down and away from the box' middle is in the volume, as a mark has it."""
-        r = self.grid.rotation
-        return r[0] * seen[0] + r[1] * seen[1] + r[2] * seen[2] + self._middle
-
-    def from_middle(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The way back."""
-        r, off = self.grid.rotation, place - self._middle
-        return r[:, 0] * off[0] + r[:, 1] * off[1] + r[:, 2] * off[2]
-
-    @property
-    def _middle(self) -> NDArray[np.float64]:
-        return 0.5 * (np.array(self.levels.levels.shape[::-1]) - 1.0) * np.array(self.spacing)
-
     def apply(self, mark: Mark, depth: Depth) -> Depth:
         """The map with one more mark, by the machine's definition (host_sim/loop/marks.h)."""
         out = depth.copy()

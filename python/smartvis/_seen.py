@@ -104,10 +104,17 @@ class Levels:
         levels: NDArray[np.uint8] = np.frombuffer(own, np.uint8).reshape(self._shape)
         return levels
 
-    def plan(self, rotation: NDArray[np.float64] | None = None, lowres: int = 0, around: bool = False) -> Grid:
-        """The machine's grid for a camera (rows), None: from the probe. `lowres`: pixels across, 0: its own. `around`:
-        of a box that holds the volume from every direction."""
+    def plan(
+        self,
+        rotation: NDArray[np.float64] | None = None,
+        lowres: int = 0,
+        around: bool = False,
+        turn: tuple[float, float] = (0.0, 0.0),
+    ) -> Grid:
+        """The machine's grid for a camera (rows), None: from the probe, turned by yaw and pitch in degrees. `lowres`:
+        pixels across, 0: its own. `around`: of a box that holds the volume from every direction."""
         view = _door.sized("svh_view", turned=rotation is not None, lowres=lowres, around=around)
+        view.yaw, view.pitch = turn
         if rotation is not None:
             view.rotation[:] = rotation.T.ravel()
         _door.call("svh_plan", self.handle, ctypes.byref(view))

@@ -95,13 +95,23 @@ class Camera:
     def to_volume_mm(self, index: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where indices (x, y, z) of the camera's grid lie in the volume, in mm from the centre of its first
         voxel."""
-        from_centre = (index - _middle(self.shape)) * np.array(self.spacing)
-        return np.asarray(from_centre @ self.rotation + _middle(self.source_shape) * np.array(self.source_spacing))
+        return self.in_volume((index - _middle(self.shape)) * np.array(self.spacing))
 
     def from_volume_mm(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where a place in the volume lies along the camera's axes, both in mm from the centre of their first voxel."""
-        from_centre = place - _middle(self.source_shape) * np.array(self.source_spacing)
-        return np.asarray(self.rotation @ from_centre + _middle(self.shape) * np.array(self.spacing))
+        return np.asarray(self.from_middle(place) + _middle(self.shape) * np.array(self.spacing))
+
+    def in_volume(self, seen: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where what lies so many mm right, down and away from the middle is in the volume, in mm from the centre of
+        its first voxel."""
+        r = self.rotation
+        turned = seen[..., :1] * r[0] + seen[..., 1:2] * r[1] + seen[..., 2:] * r[2]
+        return np.asarray(turned + _middle(self.source_shape) * np.array(self.source_spacing))
+
+    def from_middle(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The way back."""
+        r, off = self.rotation, place - _middle(self.source_shape) * np.array(self.source_spacing)
+        return np.asarray(off[..., :1] * r[:, 0] + off[..., 1:2] * r[:, 1] + off[..., 2:] * r[:, 2])
 
 
 def _middle(shape: Shape) -> NDArray[np.float64]:
