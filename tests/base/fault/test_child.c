@@ -58,12 +58,18 @@ static int stop_group(intptr_t channel, int value) {
     forever();
 }
 
+static int tell_itself(intptr_t channel, int value) {
+    const pid_t self = getpid();
+    (void)hs_child_send(channel, &self, sizeof self);
+    forever();
+}
+
 static int with_grandchild(intptr_t channel, int value);
 static int echo(intptr_t channel, int value);
 
 /* What a child does is told by its arguments: the number of its work, and a value. */
-static int (*const works[])(intptr_t channel, int value) = {crash,  abort_it,   leave,           hang, grab,
-                                                            silent, stop_group, with_grandchild, echo};
+static int (*const works[])(intptr_t channel, int value) = {
+    crash, abort_it, leave, hang, grab, silent, stop_group, tell_itself, with_grandchild, echo};
 
 __attribute__((constructor)) static void be_a_child(int argc, char **argv) {
     if (hs_child_take(&argc, argv)) hs_child_leave(works[atoi(argv[1])](hs_child_passed(0), atoi(argv[2])));
@@ -160,6 +166,12 @@ static bool runs(pid_t pid) {
     return after_name && after_name[1] && after_name[2] != 'Z' && after_name[2] != 'X';
 }
 
+/* Waits until it does not. */
+static bool ends(pid_t pid) {
+    for (int i = 0; i < 3000 && runs(pid); i++) (void)poll(NULL, 0, 10);
+    return !runs(pid);
+}
+
 static void assert_grandchild_ends(escape e) {
     hs_child child;
     pid_t grandchild = 0;
@@ -174,10 +186,9 @@ static void assert_grandchild_ends(escape e) {
     } else {
         hs_child_close(&child);
     }
-    for (int i = 0; i < 500 && runs(grandchild); i++) (void)poll(NULL, 0, 10);
-    const bool outlived = runs(grandchild);
-    if (outlived) (void)kill(grandchild, SIGKILL);
-    assert_false(outlived);
+    const bool ended = ends(grandchild);
+    if (!ended) (void)kill(grandchild, SIGKILL);
+    assert_true(ended);
     if (e.leaves) hs_child_close(&child);
 }
 
@@ -251,8 +262,7 @@ static void assert_all_end_with(int way, int number) {
     assert_true(both[0] > 0 && both[1] > 0);
     assert_int_equal(waitpid(parent, &status, 0), parent);
     assert_true(WIFSIGNALED(status) && WTERMSIG(status) == number);
-    for (int i = 0; i < 3000 && (runs(both[0]) || runs(both[1])); i++) (void)poll(NULL, 0, 10);
-    assert_false(runs(both[0]) || runs(both[1]));
+    assert_true(ends(both[0]) && ends(both[1]));
     (void)close(told[0]);
     (void)close(told[1]);
 }
@@ -267,6 +277,22 @@ static void *start_one(void *child) {
     const hs_child_limits none = {0};
     start(child, &none, echo, 0);
     return NULL;
+}
+
+/* Somebody ends its first process, which looks after the one that works: nobody is left to end that. */
+static void what_works_ends_without_its_keeper(void **state) {
+    hs_child child;
+    pid_t worker = 0;
+    const hs_child_limits none = {0};
+    start(&child, &none, tell_itself, 0);
+    assert_int_equal(hs_child_wait(&child, 30), HS_CHILD_MESSAGE);
+    assert_true(hs_child_receive(child.channel, &worker, sizeof worker));
+    assert_true(worker != (pid_t)child.process && runs(worker));
+    assert_int_equal(kill((pid_t)child.process, SIGKILL), 0);
+    const bool ended = ends(worker);
+    if (!ended) (void)kill(worker, SIGKILL);
+    assert_true(ended);
+    hs_child_close(&child);
 }
 
 /* It is bound to the process, and the thread that started it may end. */
@@ -410,7 +436,7 @@ static void a_program_that_is_not_there(void **state) {
 }
 
 UNIT_MAIN(NULL, NULL, each_end_has_its_sentence, a_hanging_child_is_ended_in_time,
-          what_it_started_ends_with_it, all_of_it_dies_with_its_parent, the_thread_that_started_it_may_end,
-          few_descriptors_are_enough, other_arguments_stay, a_signal_to_it_reaches_what_works,
-          messages_travel_whole, a_program_gets_what_is_passed, a_program_that_is_not_there,
-          nobody_else_is_ended, what_it_prints_is_bounded)
+          what_it_started_ends_with_it, all_of_it_dies_with_its_parent, what_works_ends_without_its_keeper,
+          the_thread_that_started_it_may_end, few_descriptors_are_enough, other_arguments_stay,
+          a_signal_to_it_reaches_what_works, messages_travel_whole, a_program_gets_what_is_passed,
+          a_program_that_is_not_there, nobody_else_is_ended, what_it_prints_is_bounded)
