@@ -51,8 +51,8 @@ within() {
             mount --bind /usr/lib/x86_64-linux-gnu "$root/machine" && mount --bind "$checkout" "$root$checkout" &&
             { [ ! -d "$root$build" ] || mount --bind "$build" "$root$build"; } || exit 3
         exec chroot "$root" /usr/bin/env -i PATH=/usr/bin:/usr/sbin LD_LIBRARY_PATH=/usr/lib/x86_64-linux-gnu:/machine "$@"' \
-        bash "$1" "$build" "$checkout" POCL_CACHE_DIR=/tmp/cache POCL_SIGFPE_HANDLER=0 SV_SOURCE_DIR="$checkout" \
-        SV_BUILD_DIR="$build" "${@:2}"
+        bash "$1" "$build" "$checkout" POCL_CACHE_DIR=/tmp/cache XDG_CACHE_HOME=/tmp/cache POCL_SIGFPE_HANDLER=0 \
+        RUSTICL_ENABLE=llvmpipe SV_SOURCE_DIR="$checkout" SV_BUILD_DIR="$build" "${@:2}"
 }
 
 failed=0
@@ -70,21 +70,47 @@ tries() {
     fi
 }
 
+# same_bits NAME WANTED: what its frames came to, in OUT/NAME.txt, is what they came to here.
+same_bits() {
+    diff "$2" "$out/$1.txt" || { echo "runtimes: $1: FAILED: other bits than this machine's PoCL"; failed=1; }
+}
+
+# whole NAME: it builds everything.
+whole() {
+    local name=$1 test
+    tries "$name" every_method "$build/tests/every_method" "$build/smartvis.so"
+    grep ' outcome ' "$out/$name.every_method.log" > "$out/$name.txt" || true
+    # A device may have no images that slabs could be.
+    grep -q ' image ' "$out/$name.txt" && cp "$out/here.txt" "$out/wanted.txt" || grep -v ' image ' "$out/here.txt" > "$out/wanted.txt"
+    same_bits "$name" "$out/wanted.txt"
+    for test in $tests; do tries "$name" "test_$test" "$build/tests/test_$test"; done
+    tries "$name" sv_validate "$build/sv_validate" --level 1 "$build/smartvis.so"
+}
+
+# part NAME LAYOUT METHOD...: it builds these methods in one layout.
+part() {
+    local name=$1 layout=$2 method test
+    : > "$out/$name.txt"
+    : > "$out/wanted.txt"
+    for method in "${@:3}"; do
+        "$build/tests/every_method" "$build/smartvis.so" small "$method" "$layout" >> "$out/wanted.txt" 2>> "$out/here.err"
+        tries "$name" "$method" "$build/tests/every_method" "$build/smartvis.so" small "$method" "$layout"
+        grep ' outcome ' "$out/$name.$method.log" >> "$out/$name.txt" || true
+    done
+    same_bits "$name" "$out/wanted.txt"
+    for test in $open_tests; do tries "$name" "test_$test" "$build/tests/test_$test"; done
+}
+
 "$build/tests/every_method" "$build/smartvis.so" > "$out/here.txt" 2> "$out/here.err" || stop "every_method fails here"
 tests=$(sed -n 's/^tests //p' "$checkout/scripts/runtimes.txt")
-while read -r name suite package version; do
+open_tests=$(sed -n 's/^open_tests //p' "$checkout/scripts/runtimes.txt")
+while read -r name suite package version layout methods; do
     [ $# = 0 ] || [[ " $* " == *" $name "* ]] || continue
     rm -rf --one-file-system "${out:?}/$name" "${out:?}/$name.apt"
     unpack "$suite" "$package" "$out/$name" > "$out/$name.log" 2>&1 || { tail -n 5 "$out/$name.log"; stop "$name cannot be had"; }
     came=$(basename "$out/$name.apt/cache/archives/${package}"_*.deb | cut -d _ -f 2)
     echo "runtimes: $name: $package $came of $suite"
     [[ $came == "$version"* ]] || { echo "runtimes: $name: FAILED: scripts/runtimes.txt says $version"; failed=1; }
-    tries "$name" every_method "$build/tests/every_method" "$build/smartvis.so"
-    grep ' outcome ' "$out/$name.every_method.log" > "$out/$name.txt" || true
-    # A device may have no images that slabs could be.
-    grep -q ' image ' "$out/$name.txt" && cp "$out/here.txt" "$out/wanted.txt" || grep -v ' image ' "$out/here.txt" > "$out/wanted.txt"
-    diff "$out/wanted.txt" "$out/$name.txt" || { echo "runtimes: $name: FAILED: other bits than this machine's PoCL"; failed=1; }
-    for test in $tests; do tries "$name" "test_$test" "$build/tests/test_$test"; done
-    tries "$name" sv_validate "$build/sv_validate" --level 1 "$build/smartvis.so"
-done < <(sed -e 's/#.*//' -e '/^tests /d' -e '/^ *$/d' "$checkout/scripts/runtimes.txt")
+    if [ -z "$layout" ]; then whole "$name"; else part "$name" "$layout" $methods; fi
+done < <(sed -e 's/#.*//' -e '/^[a-z_]*tests /d' -e '/^ *$/d' "$checkout/scripts/runtimes.txt")
 exit $failed
