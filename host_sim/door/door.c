@@ -18,6 +18,16 @@ bool door_check_size(uint32_t given, size_t ours, const char *what, hs_error *er
     return given == ours || hs_fail(err, HS_ERR_USAGE, "%s: size is %u, expected %zu", what, given, ours);
 }
 
+bool door_check_given(const char *call, const char *names, const void *const *pointers, size_t count,
+                      hs_error *err) {
+    for (size_t i = 0; i < count; i++) {
+        const int length = (int)strcspn(names, ",");
+        if (!pointers[i]) return hs_fail(err, HS_ERR_USAGE, "%s: %.*s is NULL", call, length, names);
+        if (i + 1 < count) names += length + 2; /* behind ", " */
+    }
+    return true;
+}
+
 /* The call, status and words of "PATH: CALL: NAME (STATUS): WORDS", as hs_plugin_check writes it. */
 static void tell_call(const char *text, svh_error *out) {
     int status, at = 0;
@@ -86,6 +96,7 @@ static void make_lock(pthread_mutex_t *lock) {
 int32_t svh_open(const svh_options *options, svh_host **out, svh_error *error) {
     static const svh_options defaults = {.size = sizeof defaults};
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, out)) return door_leave(NULL, &err, error);
     *out = NULL;
     if (!options) options = &defaults;
     if (!door_check_size(options->size, sizeof *options, "svh_options", &err))

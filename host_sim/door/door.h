@@ -44,6 +44,16 @@ int32_t door_leave(svh_host *host, const hs_error *err, svh_error *out);
 /* HS_ERR_USAGE if a struct's size is not the one of this header. */
 bool door_check_size(uint32_t given, size_t ours, const char *what, hs_error *err);
 
+/* HS_ERR_USAGE, which names it, if one of these arguments of the caller is NULL. */
+#define DOOR_GIVEN(err, ...)                                                                                 \
+    door_check_given(__func__, #__VA_ARGS__, (const void *const[]){__VA_ARGS__},                             \
+                     sizeof((const void *const[]){__VA_ARGS__}) / sizeof(void *), err)
+bool door_check_given(const char *call, const char *names, const void *const *pointers, size_t count,
+                      hs_error *err);
+
+/* By how much directions may miss right angles and length 1: DICOM's are rounded. */
+#define DOOR_SKEW 0.05
+
 /* Opens the host's device, unless it is open. */
 bool door_open_device(svh_host *host, hs_error *err);
 

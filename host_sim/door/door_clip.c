@@ -133,6 +133,7 @@ int32_t svh_clip(svh_clipper *clipper, svh_volume *volume, const svh_view *view,
     svh_view from_probe = {.size = sizeof from_probe};
     hs_clip_outcome clip;
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, clipper, volume, out)) return door_leave(NULL, &err, error);
     if (!view) {
         const int32_t code = svh_plan(volume, &from_probe, error);
         if (code != SVH_OK) return code;
@@ -153,6 +154,9 @@ int32_t svh_clip(svh_clipper *clipper, svh_volume *volume, const svh_view *view,
 static bool adjust(svh_clipper *clipper, const uint32_t *ids, const double *values, uint32_t count,
                    hs_clip_outcome *clip, hs_error *err) {
     if (!clipper->volume) return hs_fail(err, HS_ERR_USAGE, "svh_adjust: there is no volume to adjust yet");
+    if (count > 0 && (!ids || !values))
+        return hs_fail(err, HS_ERR_USAGE, "svh_adjust: %s is NULL, expected %u", ids ? "values" : "ids",
+                       count);
     sv_param_value *own = hs_memory(count + 1u, sizeof *own, "settings", err);
     for (uint32_t i = 0; own && i < count; i++) own[i] = (sv_param_value){.id = ids[i], .value = values[i]};
     const bool ok = own && hs_clipper_adjust(clipper->clipper, own, count, clip, err);
@@ -164,6 +168,7 @@ int32_t svh_adjust(svh_clipper *clipper, const uint32_t *ids, const double *valu
                    svh_result *out, svh_error *error) {
     hs_clip_outcome clip;
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, clipper, out)) return door_leave(NULL, &err, error);
     (void)pthread_mutex_lock(&clipper->host->lock);
     clipper->times = (sv_stage_times){0};
     if (door_check_size(out->size, sizeof *out, "svh_result", &err) &&

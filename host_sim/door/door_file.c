@@ -59,6 +59,7 @@ int32_t svh_volume_read(svh_host *host, const char *path, const svh_file *how, s
                         svh_error *error) {
     static const svh_file defaults = {.size = sizeof defaults};
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, host, path, out)) return door_leave(NULL, &err, error);
     *out = NULL;
     if (!how) how = &defaults;
     (void)pthread_mutex_lock(&host->lock);

@@ -33,6 +33,7 @@ static bool open_plugin(svh_clipper *clipper, const char *path, const char *id, 
 int32_t svh_clipper_open(svh_host *host, const char *path, const char *id, svh_clipper **out,
                          svh_error *error) {
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, host, out)) return door_leave(NULL, &err, error);
     *out = NULL;
     (void)pthread_mutex_lock(&host->lock);
     svh_clipper *clipper = hs_memory(1, sizeof *clipper, "clipper", &err);
@@ -59,9 +60,10 @@ void svh_clipper_free(svh_clipper *clipper) {
 }
 
 int32_t svh_clipper_about(const svh_clipper *clipper, svh_plugin *out, svh_error *error) {
-    const sv_descriptor *d = clipper->plugin.instance->descriptor;
     hs_error err = {0};
-    if (!door_check_size(out->size, sizeof *out, "svh_plugin", &err)) return door_leave(NULL, &err, error);
+    if (!DOOR_GIVEN(&err, clipper, out) || !door_check_size(out->size, sizeof *out, "svh_plugin", &err))
+        return door_leave(NULL, &err, error);
+    const sv_descriptor *d = clipper->plugin.instance->descriptor;
     *out = (svh_plugin){.size = sizeof *out,
                         .features = d->features,
                         .queues = d->queues,
@@ -101,9 +103,10 @@ static void describe(const sv_param_info *info, svh_param *out) {
 }
 
 int32_t svh_param_at(svh_clipper *clipper, uint32_t index, svh_param *out, svh_error *error) {
-    const sv_plugin *instance = clipper->plugin.instance;
     sv_param_info info = {.size = sizeof info};
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, clipper, out)) return door_leave(NULL, &err, error);
+    const sv_plugin *instance = clipper->plugin.instance;
     (void)pthread_mutex_lock(&clipper->host->lock);
     if (door_check_size(out->size, sizeof *out, "svh_param", &err)) {
         const uint32_t count = hs_plugin_param_count(&clipper->plugin);
@@ -118,8 +121,9 @@ int32_t svh_param_at(svh_clipper *clipper, uint32_t index, svh_param *out, svh_e
 }
 
 int32_t svh_param_name(svh_clipper *clipper, uint32_t id, double value, char name[64], svh_error *error) {
-    const sv_plugin *instance = clipper->plugin.instance;
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, clipper, name)) return door_leave(NULL, &err, error);
+    const sv_plugin *instance = clipper->plugin.instance;
     (void)pthread_mutex_lock(&clipper->host->lock);
     memset(name, 0, 64); /* a NUL stands behind, whatever the plugin writes */
     if (instance->param_text(instance, id, value, name, 63) != SV_OK || name[63] != '\0')
@@ -144,6 +148,7 @@ static bool set(svh_clipper *clipper, sv_param_value value, hs_error *err) {
 int32_t svh_set(svh_clipper *clipper, const char *setting, svh_error *error) {
     sv_param_value value = {0};
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, clipper, setting)) return door_leave(NULL, &err, error);
     (void)pthread_mutex_lock(&clipper->host->lock);
     if (hs_plugin_parse_param(&clipper->plugin, setting, &value, &err)) (void)set(clipper, value, &err);
     return door_leave(clipper->host, &err, error);
@@ -151,12 +156,14 @@ int32_t svh_set(svh_clipper *clipper, const char *setting, svh_error *error) {
 
 int32_t svh_set_number(svh_clipper *clipper, uint32_t id, double value, svh_error *error) {
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, clipper)) return door_leave(NULL, &err, error);
     (void)pthread_mutex_lock(&clipper->host->lock);
     (void)set(clipper, (sv_param_value){.id = id, .value = value}, &err);
     return door_leave(clipper->host, &err, error);
 }
 
 void svh_reset(svh_clipper *clipper) {
+    if (!clipper) return;
     (void)pthread_mutex_lock(&clipper->host->lock);
     clipper->value_count = 0;
     (void)pthread_mutex_unlock(&clipper->host->lock);
@@ -214,6 +221,7 @@ static bool ask_needs(svh_clipper *clipper, const svh_volume *volume, const svh_
 int32_t svh_needs(svh_clipper *clipper, const svh_volume *volume, const svh_view *view, uint64_t *bytes,
                   svh_error *error) {
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, clipper, volume, view, bytes)) return door_leave(NULL, &err, error);
     (void)pthread_mutex_lock(&clipper->host->lock);
     if (door_check_size(view->size, sizeof *view, "svh_view", &err) && door_check_planned(view, &err))
         (void)ask_needs(clipper, volume, view, bytes, &err);

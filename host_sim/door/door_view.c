@@ -5,12 +5,27 @@
 #include "loop/slabs.h"
 #include "result/result_write.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#define MAX_TURN 1e6 /* degrees */
+
+static bool check_angles(const svh_view *view, hs_error *err) {
+    if (view->turned)
+        return hs_pose_is_right_angled(view->rotation, DOOR_SKEW) ||
+               hs_fail(err, HS_ERR_USAGE,
+                       "svh_view: rotation is (%g %g %g) and so on, expected three columns of length 1 at "
+                       "right angles",
+                       view->rotation[0], view->rotation[1], view->rotation[2]);
+    return (fabs(view->yaw) <= MAX_TURN && fabs(view->pitch) <= MAX_TURN && fabs(view->roll) <= MAX_TURN) ||
+           hs_fail(err, HS_ERR_USAGE, "svh_view: yaw, pitch and roll are %g, %g and %g, expected -%g .. %g",
+                   view->yaw, view->pitch, view->roll, MAX_TURN, MAX_TURN);
+}
+
 bool door_camera(const svh_volume *volume, const svh_view *view, hs_camera *camera, hs_error *err) {
     const hs_volume *v = &volume->volume;
-    if (!door_check_size(view->size, sizeof *view, "svh_view", err)) return false;
+    if (!door_check_size(view->size, sizeof *view, "svh_view", err) || !check_angles(view, err)) return false;
     if (view->from >= HS_FROM_COUNT)
         return hs_fail(err, HS_ERR_USAGE, "svh_view: from is %u, expected 0 .. %d", view->from,
                        (int)HS_FROM_COUNT - 1);
@@ -57,7 +72,7 @@ int32_t svh_plan(const svh_volume *volume, svh_view *view, svh_error *error) {
     hs_error err = {0};
     hs_camera camera;
     hs_told told;
-    if (!door_camera(volume, view, &camera, &err) ||
+    if (!DOOR_GIVEN(&err, volume, view) || !door_camera(volume, view, &camera, &err) ||
         !hs_lowres_size(&volume->volume, view->lowres, &camera, view->n, &err))
         return door_leave(NULL, &err, error);
     memcpy(view->rotation, camera.rotation, sizeof camera.rotation);
@@ -106,6 +121,7 @@ int32_t svh_convert(svh_volume *volume, const svh_view *view, uint8_t *voxels, u
                     svh_error *error) {
     hs_error err = {0};
     hs_camera camera;
+    if (!DOOR_GIVEN(&err, volume, view, voxels, ranges)) return door_leave(NULL, &err, error);
     (void)pthread_mutex_lock(&volume->host->lock);
     if (door_camera(volume, view, &camera, &err) && door_check_planned(view, &err))
         (void)convert(volume, &camera, view, voxels, ranges, &err);
@@ -117,6 +133,10 @@ int32_t svh_convert(svh_volume *volume, const svh_view *view, uint8_t *voxels, u
 hs_mark *door_marks(const svh_mark *marks, uint32_t count, hs_error *err) {
     if (count > HS_MARKS_MAX) {
         (void)hs_fail(err, HS_ERR_USAGE, "%u marks, expected at most %d", count, (int)HS_MARKS_MAX);
+        return NULL;
+    }
+    if (count > 0 && !marks) {
+        (void)hs_fail(err, HS_ERR_USAGE, "marks is NULL, expected %u", count);
         return NULL;
     }
     hs_mark *out = hs_memory(count + 1u, sizeof *out, "marks", err);
@@ -133,8 +153,8 @@ int32_t svh_mark_depth(const svh_volume *volume, const svh_view *view, const svh
     hs_error err = {0};
     hs_camera camera;
     hs_mark *own = NULL;
-    if (door_camera(volume, view, &camera, &err) && door_check_planned(view, &err) &&
-        (own = door_marks(marks, count, &err)))
+    if (DOOR_GIVEN(&err, volume, view, depth) && door_camera(volume, view, &camera, &err) &&
+        door_check_planned(view, &err) && (own = door_marks(marks, count, &err)))
         (void)hs_marks_apply(own, count, &volume->volume, &camera, view->n, depth, &err);
     free(own);
     return door_leave(NULL, &err, error);
@@ -155,7 +175,8 @@ int32_t svh_mask(const svh_volume *volume, const svh_view *view, const float *de
                  svh_error *error) {
     hs_error err = {0};
     hs_maps maps;
-    if (maps_of(volume, view, depth, &maps, &err)) hs_result_mask(&maps, &volume->volume, mask);
+    if (DOOR_GIVEN(&err, volume, view, depth, mask) && maps_of(volume, view, depth, &maps, &err))
+        hs_result_mask(&maps, &volume->volume, mask);
     return door_leave(NULL, &err, error);
 }
 
@@ -173,7 +194,8 @@ int32_t svh_surface(const svh_volume *volume, const svh_view *view, const float 
     hs_error err = {0};
     hs_maps maps;
     hs_mesh mesh;
-    if (!door_check_size(out->size, sizeof *out, "svh_mesh", &err) ||
+    if (!DOOR_GIVEN(&err, volume, view, depth, out) ||
+        !door_check_size(out->size, sizeof *out, "svh_mesh", &err) ||
         !maps_of(volume, view, depth, &maps, &err) ||
         !hs_result_surface(&maps, &volume->volume, &whole, &mesh, &err))
         return door_leave(NULL, &err, error);
@@ -186,6 +208,7 @@ int32_t svh_surface(const svh_volume *volume, const svh_view *view, const float 
 }
 
 void svh_mesh_free(svh_mesh *mesh) {
+    if (!mesh) return;
     free(mesh->vertices);
     free(mesh->triangles);
     mesh->vertices = NULL;

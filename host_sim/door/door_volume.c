@@ -49,7 +49,7 @@ static bool find_range(const svh_voxels *v, hs_levels *l, hs_error *err) {
     if (plain || v->window[0] < v->window[1]) {
         l->low = plain ? 0.0 : v->window[0];
         l->high = plain ? 255.0 : v->window[1];
-    } else if (v->bytes) {
+    } else if (v->window[0] != v->window[1]) {
         return hs_fail(err, HS_ERR_USAGE, "window %g .. %g, expected the lower first", v->window[0],
                        v->window[1]);
     }
@@ -93,9 +93,30 @@ static void describe(const svh_voxels *v, hs_volume *out) {
     memcpy(out->apex, v->apex, sizeof out->apex);
 }
 
+/* How it lies in the patient, and where the lines meet that scanned it. */
+static bool check_place(const svh_voxels *v, hs_error *err) {
+    static const double far_away = 1e30; /* mm: a vertex there is a float, too */
+    bool stated = false;
+    for (int i = 0; i < 9; i++) stated |= v->direction[i] != 0.0;
+    if (stated && !hs_pose_is_right_angled(v->direction, DOOR_SKEW))
+        return hs_fail(err, HS_ERR_INPUT,
+                       "svh_voxels: direction is (%g %g %g) and so on, expected columns of length 1 at right "
+                       "angles, or zeros",
+                       v->direction[0], v->direction[1], v->direction[2]);
+    for (int a = 0; a < 3; a++) {
+        if (!(fabs(v->origin[a]) <= far_away))
+            return hs_fail(err, HS_ERR_INPUT, "svh_voxels: origin[%d] is %g mm, expected -1e30 .. 1e30", a,
+                           v->origin[a]);
+        if (v->apex_said && !(fabs(v->apex[a]) <= far_away))
+            return hs_fail(err, HS_ERR_INPUT, "svh_voxels: apex[%d] is %g mm, expected -1e30 .. 1e30", a,
+                           v->apex[a]);
+    }
+    return true;
+}
+
 static bool check(const svh_voxels *v, hs_error *err) {
     uint64_t count = 1;
-    if (!door_check_size(v->size, sizeof *v, "svh_voxels", err)) return false;
+    if (!door_check_size(v->size, sizeof *v, "svh_voxels", err) || !check_place(v, err)) return false;
     for (int a = 0; a < 3; a++) {
         if (v->n[a] < 1 || v->n[a] > HS_VOLUME_MAX_AXIS)
             return hs_fail(err, HS_ERR_INPUT, "the volume has %u voxels along %c, expected 1 .. %u", v->n[a],
@@ -183,6 +204,7 @@ static bool take(svh_volume *volume, const svh_voxels *given, hs_error *err) {
 
 int32_t svh_volume_take(svh_host *host, const svh_voxels *given, svh_volume **out, svh_error *error) {
     hs_error err = {0};
+    if (!DOOR_GIVEN(&err, host, given, out)) return door_leave(NULL, &err, error);
     *out = NULL;
     (void)pthread_mutex_lock(&host->lock);
     svh_volume *volume = check(given, &err) ? door_volume(host, &err) : NULL;
@@ -191,9 +213,10 @@ int32_t svh_volume_take(svh_host *host, const svh_voxels *given, svh_volume **ou
 }
 
 int32_t svh_volume_about(const svh_volume *volume, svh_about *out, svh_error *error) {
-    const hs_volume *v = &volume->volume;
     hs_error err = {0};
-    if (!door_check_size(out->size, sizeof *out, "svh_about", &err)) return door_leave(NULL, &err, error);
+    if (!DOOR_GIVEN(&err, volume, out) || !door_check_size(out->size, sizeof *out, "svh_about", &err))
+        return door_leave(NULL, &err, error);
+    const hs_volume *v = &volume->volume;
     *out = (svh_about){.size = sizeof *out,
                        .n = {v->nx, v->ny, v->nz},
                        .spacing = {v->spacing[0], v->spacing[1], v->spacing[2]},

@@ -11,7 +11,8 @@
  * fills in is an out, and has its size set all the same. Later versions add fields at the end.
  *
  * ERRORS. A function that can fail returns a code, SVH_OK or one of host_sim's exit codes, and fills in
- * `error`, which may be NULL: one sentence with file, field and value.
+ * `error`, which may be NULL: one sentence with file, field and value. Another pointer that is NULL is
+ * SVH_USAGE, unless its comment allows it.
  *
  * OWNERSHIP. What a function makes is freed by the caller, in any order: a host ends with the last of its
  * clippers and volumes. What a pointer in a struct points to, its comment says.
@@ -103,8 +104,8 @@ typedef struct {
     double spacing[3];   /* mm; ignored if unsaid */
     uint32_t unsaid;     /* nobody knows the spacing */
     uint32_t scanned;    /* SVH_AUTO, ...; a `mask` takes its place */
-    double direction[9]; /* row-major; column a is where index a grows to in the patient (left, back, head);
-                            zeros: not known */
+    double direction[9]; /* row-major; column a is where index a grows to in the patient (left, back, head),
+                            at right angles; zeros: not known */
     double origin[3];    /* mm in the patient: where the centre of the first voxel lies */
     uint32_t probe;      /* SVH_LOW_Z, ... */
     uint32_t probe_said; /* ... and that is known */
@@ -247,7 +248,7 @@ SVH_EXPORT int32_t svh_param_name(svh_clipper *clipper, uint32_t id, double valu
  * it is. svh_reset: the defaults for all. */
 SVH_EXPORT int32_t svh_set(svh_clipper *clipper, const char *setting, svh_error *error);
 SVH_EXPORT int32_t svh_set_number(svh_clipper *clipper, uint32_t id, double value, svh_error *error);
-SVH_EXPORT void svh_reset(svh_clipper *clipper);
+SVH_EXPORT void svh_reset(svh_clipper *clipper); /* NULL is allowed */
 
 /* Bytes that the plugin needs for this view and the values that are set (smartvis.needs/1); of one that does
  * not tell, of a volume and its maps. SVH_PLUGIN: it refuses them. */
@@ -324,7 +325,7 @@ typedef struct {
 
 SVH_EXPORT int32_t svh_surface(const svh_volume *volume, const svh_view *view, const float *depth,
                                svh_mesh *out, svh_error *error);
-SVH_EXPORT void svh_mesh_free(svh_mesh *mesh);
+SVH_EXPORT void svh_mesh_free(svh_mesh *mesh); /* NULL is allowed */
 
 #ifdef __cplusplus
 }

@@ -210,8 +210,6 @@ static bool check_data_file(const hs_met_text *p, hs_met_header *h) {
     return true;
 }
 
-#define SKEW 1e-3 /* the most by which squared lengths may miss 1, and scalar products 0 */
-
 /* Reads `count` numbers, or as many as `other` if there are no more; *found tells. Nothing may follow. */
 static bool read_numbers(const char *value, uint64_t count, uint64_t other, double *out, uint64_t *found) {
     for (*found = 0; *found < count; ++*found) {
@@ -221,9 +219,7 @@ static bool read_numbers(const char *value, uint64_t count, uint64_t other, doub
     return hs_met_at_end(value);
 }
 
-static double dot(const double *m, int a, int b) {
-    return m[a] * m[b] + m[3 + a] * m[3 + b] + m[6 + a] * m[6 + b];
-}
+#define SKEW 1e-3
 
 /* The file lists one axis' direction after the other: the columns of our matrix. In four dimensions the
  * fourth axis must be apart from the others; some programs leave it out. */
@@ -241,12 +237,9 @@ static bool read_directions(const hs_met_text *text, uint64_t dims, hs_pose *pos
         return hs_met_bad_value(text, HS_MET_F_TRANSFORM, dims == 3 ? "9 numbers" : "16 numbers, or 9");
     if (!apart)
         return hs_met_bad_value(text, HS_MET_F_TRANSFORM, "a fourth axis that has no part in the others");
-    const double *m = pose->direction;
-    bool right = true;
-    for (int a = 0; a < 3; a++)
-        for (int b = a; b < 3; b++) right = right && fabs(dot(m, a, b) - (a == b)) <= SKEW;
-    return right || hs_met_bad_value(text, HS_MET_F_TRANSFORM,
-                                     "three directions of length 1 at right angles to each other");
+    return hs_pose_is_right_angled(pose->direction, SKEW) ||
+           hs_met_bad_value(text, HS_MET_F_TRANSFORM,
+                            "three directions of length 1 at right angles to each other");
 }
 
 static bool read_offset(const hs_met_text *text, uint64_t dims, double unit, hs_pose *pose) {

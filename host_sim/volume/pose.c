@@ -33,6 +33,17 @@ bool hs_pose_is_mirrored(const hs_pose *pose) {
            0;
 }
 
+static double dot(const double *m, int a, int b) {
+    return m[a] * m[b] + m[3 + a] * m[3 + b] + m[6 + a] * m[6 + b];
+}
+
+bool hs_pose_is_right_angled(const double direction[9], double skew) {
+    for (int a = 0; a < 3; a++)
+        for (int b = a; b < 3; b++)
+            if (!(fabs(dot(direction, a, b) - (a == b)) <= skew)) return false;
+    return true;
+}
+
 void hs_pose_world(const hs_pose *pose, const double spacing[3], const double index[3], double world[3]) {
     for (int k = 0; k < 3; k++) {
         world[k] = pose->origin[k];

@@ -65,6 +65,10 @@ bool hs_pose_is_identity(const hs_pose *pose);
 /* True if the axes are left-handed: what is drawn along them without care is a mirror image. */
 bool hs_pose_is_mirrored(const hs_pose *pose);
 
+/* True if the columns are directions of length 1 at right angles to each other: squared lengths miss 1, and
+ * scalar products 0, by `skew` at most. */
+bool hs_pose_is_right_angled(const double direction[9], double skew);
+
 /* Where the index (voxel centres at integers) lies in the world, mm. */
 void hs_pose_world(const hs_pose *pose, const double spacing[3], const double index[3], double world[3]);
 

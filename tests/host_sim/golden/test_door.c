@@ -252,6 +252,16 @@ static void mistakes_are_named(void **state) {
     assert_null(none);
     given = (svh_voxels){.size = sizeof given, .n = {1, 1, 1}, .spacing = {1, 1, NAN}, .bytes = &byte};
     door_must_not(svh_volume_take(host, &given, &none, &told), SVH_INPUT, "spacing along z is nan");
+    given = (svh_voxels){.size = sizeof given, .n = {1, 1, 1}, .unsaid = 1, .origin = {0, INFINITY, 0}};
+    door_must_not(svh_volume_take(host, &given, &none, &told), SVH_INPUT, "origin[1] is inf");
+    given = (svh_voxels){
+        .size = sizeof given, .n = {1, 1, 1}, .unsaid = 1, .direction = {1, 1, 0, 0, 1, 0, 0, 0, 1}};
+    door_must_not(svh_volume_take(host, &given, &none, &told), SVH_INPUT, "direction is (1 1 0)");
+    given = (svh_voxels){.size = sizeof given, .n = {1, 1, 1}, .unsaid = 1, .apex_said = 1, .apex = {NAN}};
+    door_must_not(svh_volume_take(host, &given, &none, &told), SVH_INPUT, "apex[0] is nan");
+    const double two[] = {1.0, 2.0};
+    given = (svh_voxels){.size = sizeof given, .n = {2, 1, 1}, .unsaid = 1, .values = two, .window = {5, 1}};
+    door_must_not(svh_volume_take(host, &given, &none, &told), SVH_USAGE, "window 5 .. 1");
     given = (svh_voxels){.size = sizeof given, .n = {1, 1, 1}, .unsaid = 1};
     door_must_not(svh_volume_take(host, &given, &none, &told), SVH_USAGE, "neither bytes nor values");
     given.size--;
@@ -259,7 +269,11 @@ static void mistakes_are_named(void **state) {
     door_must_not(svh_volume_read(host, "/none.mha", NULL, &none, &told), SVH_INPUT, "/none.mha");
     door_must_not(svh_set(clipper, "qq=1", &told), SVH_USAGE, "no parameter 'qq'");
     door_must_not(svh_clip(clipper, volume, &view, NULL, &result, &told), SVH_USAGE, "call svh_plan first");
-    view.from = SVH_FROM_LEFT;
+    view.yaw = NAN;
+    door_must_not(svh_plan(volume, &view, &told), SVH_USAGE, "yaw, pitch and roll are nan, 0 and 0");
+    view = (svh_view){.size = sizeof view, .turned = 1};
+    door_must_not(svh_plan(volume, &view, &told), SVH_USAGE, "rotation is (0 0 0)");
+    view = (svh_view){.size = sizeof view, .from = SVH_FROM_LEFT};
     door_must_not(svh_plan(volume, &view, &told), SVH_INPUT, "no view left");
     const svh_frame frame = {.size = sizeof frame, .flags = 8};
     door_must_not(svh_clip(clipper, volume, NULL, &frame, &result, &told), SVH_USAGE, "flags are 0x8");
@@ -272,6 +286,26 @@ static void mistakes_are_named(void **state) {
     assert_true(clip(clipper, volume, NULL, NULL).clips);
 }
 
+static void what_is_not_given_is_named(void **state) {
+    (void)state;
+    svh_volume *volume = read_scan();
+    svh_clipper *clipper = clipper_of(NULL);
+    svh_result result = {.size = sizeof result};
+    svh_view view = {.size = sizeof view};
+    float depth = 0;
+    door_must_not(svh_plan(volume, NULL, &told), SVH_USAGE, "svh_plan: view is NULL");
+    door_must_not(svh_clip(NULL, volume, NULL, NULL, &result, &told), SVH_USAGE, "svh_clip: clipper is NULL");
+    door_must_not(svh_mask(volume, &view, &depth, NULL, &told), SVH_USAGE, "svh_mask: mask is NULL");
+    door_must(svh_plan(volume, &view, &told));
+    door_must_not(svh_mark_depth(volume, &view, NULL, 2, &depth, &told), SVH_USAGE,
+                  "marks is NULL, expected 2");
+    assert_true(clip(clipper, volume, &view, NULL).clips);
+    door_must_not(svh_adjust(clipper, NULL, NULL, 1, &result, &told), SVH_USAGE, "svh_adjust: ids is NULL");
+    assert_int_equal(svh_set(clipper, NULL, NULL), SVH_USAGE);
+    svh_reset(NULL);
+    svh_mesh_free(NULL);
+}
+
 UNIT_MAIN(set_up, tear_down, gives_the_bits_of_run, adjusts_and_activates_anew, marks_change_the_map,
           one_box_holds_every_view, a_plugin_that_crashes_costs_a_call, a_host_outlives_its_opener,
-          mistakes_are_named)
+          mistakes_are_named, what_is_not_given_is_named)
