@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A plugin for fuzz_recording: it takes every carrier on both queues, and in `end` reads every byte of all
- * slabs and ranges that it was promised, and writes every byte of the map. On OpenCL without a device the
- * address sanitizer sees what is not there, or no longer.
+ * A plugin for fuzz_recording and fuzz_door: it takes every carrier on both queues, and in `end` reads every
+ * byte of all slabs and ranges that it was promised, and writes every byte of the map. On OpenCL without a
+ * device the address sanitizer sees what is not there, or no longer.
  */
 #include "smartvis/author.h"
 

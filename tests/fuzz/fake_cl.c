@@ -302,6 +302,37 @@ cl_int clEnqueueCopyBuffer(cl_command_queue queue, cl_mem from, cl_mem to, size_
     return done(event);
 }
 
+cl_int clEnqueueCopyBufferRect(cl_command_queue queue, cl_mem from, cl_mem to, const size_t *from_origin,
+                               const size_t *to_origin, const size_t *region, size_t from_pitch,
+                               size_t from_slice, size_t to_pitch, size_t to_slice, cl_uint waits,
+                               const cl_event *list, cl_event *event) {
+    const size_t first = to_origin[0] + to_origin[1] * to_pitch + to_origin[2] * to_slice;
+    (void)queue, (void)waits, (void)list;
+    for (size_t z = 0; z < region[2]; z++)
+        for (size_t y = 0; y < region[1]; y++)
+            memcpy(to->data + first + y * to_pitch + z * to_slice,
+                   from->data + from_origin[0] + (from_origin[1] + y) * from_pitch +
+                       (from_origin[2] + z) * from_slice,
+                   region[0]);
+    return done(event);
+}
+
+void *clEnqueueMapBuffer(cl_command_queue queue, cl_mem object, cl_bool blocking, cl_map_flags flags,
+                         size_t offset, size_t bytes, cl_uint waits, const cl_event *list, cl_event *event,
+                         cl_int *code) {
+    (void)queue, (void)blocking, (void)flags, (void)waits, (void)list;
+    FUZZ_HOLDS(offset <= object->bytes && bytes <= object->bytes - offset);
+    *code = done(event);
+    return *code == CL_SUCCESS ? object->data + offset : NULL;
+}
+
+cl_int clEnqueueUnmapMemObject(cl_command_queue queue, cl_mem object, void *at, cl_uint waits,
+                               const cl_event *list, cl_event *event) {
+    (void)queue, (void)waits, (void)list;
+    FUZZ_HOLDS((uint8_t *)at >= object->data && (uint8_t *)at <= object->data + object->bytes);
+    return done(event);
+}
+
 cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem object, const void *pattern, size_t size,
                            size_t offset, size_t bytes, cl_uint waits, const cl_event *list,
                            cl_event *event) {
