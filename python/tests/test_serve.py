@@ -280,10 +280,17 @@ def test_a_client_too_many_is_turned_away() -> None:
         serves_again(number)
 
 
+# `smartvis serve`, which waits as long for its clients as they for it, however busy the machine.
+PATIENT = f"""import sys
+from smartvis import cli, serve
+serve.Server.__init__.__kwdefaults__["patience"] = {LONG}
+sys.exit(cli.main(["serve", "--port", "0", *sys.argv[1:]]))"""
+
+
 @contextlib.contextmanager
 def command(*options: str):
     """`smartvis serve` as a program: its process and its port."""
-    words = [sys.executable, "-P", "-m", "smartvis", "serve", "--port", "0", *options]
+    words = [sys.executable, "-P", "-c", PATIENT, *options]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None
@@ -309,7 +316,15 @@ def high_water(pid: int) -> int:
     return int(status.split("VmHWM:")[1].split()[0]) >> 10
 
 
+def outcome(peer: socket.socket) -> str:
+    """What a volume came to in words, behind its images if there are some."""
+    while (message := read_message(peer)).message_type != "STRING":
+        pass
+    return message.string
+
+
 def test_eight_clients_that_ask_for_the_largest_stay_within_the_limit() -> None:
+    """How many of them are at once is the machine's affair."""
     with command("--memory", "256", "--all-memory", "400") as (process, number):
         serves(number)
         before = high_water(process.pid)
@@ -319,10 +334,25 @@ def test_eight_clients_that_ask_for_the_largest_stay_within_the_limit() -> None:
             shapes = [(1, 1990, 1990), (1, 1960, 1990), (2000, 1, 600)]
             for index, client in enumerate(clients):
                 client.sendall(image(np.zeros(shapes[index % 3], np.uint8)).pack())
-            said = [read_message(client) for client in clients]
-        refused = [m.string for m in said if m.message_type == "STRING"]
-        assert len(refused) >= 6 and all("MiB here, and there is room for" in text for text in refused)
+            assert all(outcome(client) for client in clients)
         assert high_water(process.pid) < before + 400
+        serves_again(number)
+
+
+def test_what_others_hold_is_no_room_for_a_client() -> None:
+    """Two that have begun a message hold what it will take, 192 MiB each."""
+    with command("--memory", "256", "--all-memory", "400") as (_, number), contextlib.ExitStack() as peers:
+        begun = image(np.zeros((16, 1024, 1024), np.uint8)).pack()[: igtl_client.HEADER + 1]
+        for _ in range(2):
+            peers.enter_context(connect(number)).sendall(begun)
+        asked, said = image(np.zeros((1, 1990, 1990), np.uint8)).pack(), ""
+        end = time.monotonic() + LONG
+        while "the volume takes 45 MiB here, and there is room for 15" not in said:  # until both are noticed
+            assert time.monotonic() < end, said
+            with connect(number) as client:
+                client.sendall(asked)
+                said = outcome(client)
+        peers.close()
         serves_again(number)
 
 
