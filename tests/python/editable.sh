@@ -11,8 +11,9 @@ if [ ! -x "$venv/bin/pip" ]; then # environment.sh says why
 fi
 "$venv/bin/python" -m venv --without-pip "$work/venv"
 site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+# Where environment.sh built the plugin, so that it is not compiled again.
 PYTHONPATH=$site "$venv/bin/pip" --python "$work/venv/bin/python" install --quiet --disable-pip-version-check --no-build-isolation \
-    --no-deps --config-settings build-dir="$folder/editable" --config-settings cmake.define.SV_HOST_SIM=OFF -e "$1/python"
+    --no-deps --config-settings build-dir="$folder/plugin" --config-settings cmake.define.SV_HOST_SIM=OFF -e "$1/python"
 cat > "$work/clip.py" << 'END_PYTHON'
 import sys
 import numpy, smartvis
