@@ -48,12 +48,12 @@ static double worst_angle(const hs_volume *v, const double axes[9], const double
 }
 
 /* The border is known to half a voxel, so half of it lies within a quarter of one, and an edge some 60 voxels
- * long tells its direction to less than a degree. */
+ * long tells its direction to less than a degree. By day every face twice, of other fans. */
 static void fans_are_found(void **state) {
-    const int next = getenv("SV_SANITIZE") ? 5 : 1; /* two opposite faces show all accesses there are */
     for (size_t n = 0; n < FANS; n++) {
         hs_volume copy = fan_copy(&fan_shapes[n]);
-        for (int face = 0; face < HS_PROBE_COUNT; face += next) {
+        for (int face = 0; face < HS_PROBE_COUNT; face++) {
+            if ((n + (size_t)face) % 3 != 0 && !getenv("SV_NIGHT")) continue;
             double apex[3], axes[9];
             char words[160];
             hs_volume v = fan_seen_from(&copy, &fan_shapes[n], (hs_probe)face, apex);
@@ -268,7 +268,7 @@ static void wrong_spacing_is_told(void **state) {
     static const double by[][3] = {{2, 1, 1},   {1, 2, 1},   {1, 1, 2},   {0.5, 1, 1},
                                    {1, 0.5, 1}, {1, 1, 0.5}, {1, 2, 0.5}, {2, 1, 0.5}};
     static const size_t which[] = {0, 1, 5};
-    const size_t geometries = getenv("SV_SANITIZE") ? 1 : sizeof which / sizeof *which;
+    const size_t geometries = getenv("SV_NIGHT") ? sizeof which / sizeof *which : 1;
     for (size_t g = 0; g < geometries; g++) {
         hs_volume v = fan_copy(&fan_shapes[which[g]]);
         const double twice[3] = {2, 2, 2}, half[3] = {0.5, 0.5, 0.5};

@@ -34,7 +34,7 @@ hs_volume fan_copy(const fan_shape *g) {
 
 hs_volume fan_seen_from(const hs_volume *v, const fan_shape *g, hs_probe face, double apex[3]) {
     const uint32_t n[3] = {v->nx, v->ny, v->nz};
-    uint32_t first[3], count[3], size[3] = {0}, at[3];
+    uint32_t first[3], count[3], size[3] = {0};
     double axes[9];
     hs_volume out;
     for (int k = 0; k < 3; k++) {
@@ -46,27 +46,23 @@ hs_volume fan_seen_from(const hs_volume *v, const fan_shape *g, hs_probe face, d
         for (int k = 0; k < 3; k++)
             if (axes[m * 3 + k] != 0.0) size[m] = count[k];
     must(hs_volume_init(&out, size[0], size[1], size[2], &err));
+    const ptrdiff_t strides[3] = {1, size[0], (ptrdiff_t)size[0] * size[1]};
+    ptrdiff_t origin = 0, step[3] = {0}; /* in `out`, of the axes of `v` */
     for (int m = 0; m < 3; m++) {
         out.spacing[m] = v->spacing[m];
         apex[m] = 0.0;
         for (int k = 0; k < 3; k++) {
             const double a = axes[m * 3 + k], from = -v->beams->corner[k] - first[k] * v->spacing[k];
             apex[m] += a * from + (a < 0.0 ? size[m] * v->spacing[m] : 0.0);
+            step[k] += (ptrdiff_t)a * strides[m];
+            if (a < 0.0) origin += (size[m] - 1) * strides[m];
         }
     }
-    for (at[2] = 0; at[2] < count[2]; at[2]++)
-        for (at[1] = 0; at[1] < count[1]; at[1]++)
-            for (at[0] = 0; at[0] < count[0]; at[0]++) {
-                size_t to[3];
-                for (int m = 0; m < 3; m++) {
-                    double place = 0.0;
-                    for (int k = 0; k < 3; k++)
-                        place += axes[m * 3 + k] * at[k] + (axes[m * 3 + k] < 0.0 ? size[m] - 1.0 : 0.0);
-                    to[m] = (size_t)place;
-                }
-                out.voxels[(to[2] * out.ny + to[1]) * out.nx + to[0]] =
-                    v->voxels[((size_t)(at[2] + first[2]) * n[1] + at[1] + first[1]) * n[0] + at[0] +
-                              first[0]];
-            }
+    for (size_t z = 0; z < count[2]; z++)
+        for (size_t y = 0; y < count[1]; y++) {
+            const size_t row = ((z + first[2]) * n[1] + y + first[1]) * n[0] + first[0];
+            uint8_t *to = out.voxels + origin + (ptrdiff_t)z * step[2] + (ptrdiff_t)y * step[1];
+            for (size_t x = 0; x < count[0]; x++) to[(ptrdiff_t)x * step[0]] = v->voxels[row + x];
+        }
     return out;
 }
