@@ -97,6 +97,14 @@ function placeProbe(mark, right, down, into) {
   mark.prepend(arrow);
 }
 
+/* Whether the slice is mirrored comes first, and where there is no room, what its letter means goes: nothing else is cut off. */
+function nameSlice(caption, view, [mirrored, plane, thick]) {
+  const title = TITLES[view], short = plane ? 1 : title.indexOf(" (");
+  caption.replaceChildren(mirrored || "", title.slice(0, short), make("span", { class: "meaning", text: title.slice(short) }),
+    ...[plane, thick].filter(Boolean).map((one) => ", " + one));
+  caption.title = caption.textContent;
+}
+
 /* How every view lies to the probe, and in the patient, where the file says so. */
 function placeDirections({ probe, patient }) {
   for (const view of Object.keys(TITLES)) {
@@ -109,6 +117,6 @@ function placeDirections({ probe, patient }) {
     mark.hidden = !probe;
     const mirrored = look.turned[view] & MIRRORED, into = INTO[view].reduce((sum, x, k) => sum + x * (probe ? probe[k] : 0), 0);
     if (probe) placeProbe(mark, ...seenWay(view, [probe[right], probe[down]]), mirrored ? -into : into);
-    caption.title = caption.textContent = TITLES[view] + (patient ? ", " + planeOf(view, patient) : "") + (mirrored ? ", mirrored" : "") + (state.thick ? ", " + state.thick + unitOf(lastFigures.source.mm) + " thick" : "");
+    nameSlice(caption, view, [mirrored && "Mirrored: ", patient && planeOf(view, patient), state.thick && state.thick + unitOf(lastFigures.source.mm) + " thick"]);
   }
 }

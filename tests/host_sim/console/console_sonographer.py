@@ -65,6 +65,21 @@ def planes_lie_in_the_patient(b):
     holds(found == unsaid, f"not said: {found}")
 
 
+def captions_can_be_read(b):
+    """Which plane a slice shows is never cut off, nor that it is mirrored, however narrow it stands."""
+    settle(b, "the first frame")
+    b.run("flip(['deep'])")
+    for wide, high in ((390, 844), (768, 1024), (1280, 800), (1440, 900)):
+        b.devtools("Emulation.setDeviceMetricsOverride", width=wide, height=high, deviceScaleFactor=1, mobile=False)
+        b.run("", then=f"{wide} pixels")
+        for view, plane in (("across", "sagittal"), ("along", "coronal"), ("deep", "Mirrored: C")):
+            seen, room, needed, full = b.run("const c = canvases[arguments[0]].caption; return [c.innerText, c.clientWidth, c.scrollWidth, c.title]", view)
+            holds(plane in seen and (needed <= room or seen.startswith(plane)), f"{wide} pixels: of '{full}' {room} of {needed} are seen: '{seen}'")
+    b.run("flip(['deep'])")
+    b.devtools("Emulation.setDeviceMetricsOverride", width=1280, height=900, deviceScaleFactor=1, mobile=False)
+    b.run("", then="as before")
+
+
 def distances(b):
     """Two clicks, a drag and the keyboard; millimetres stay when the picture zooms, and go with the tissue."""
     wide = b.run("return canvases.across.screen.getBoundingClientRect().width")
@@ -205,7 +220,7 @@ def slices_turn_and_mirror(b):
             b.keys(".screen[data-view=across]", key)
         done += key
         holds(directions(b, "across")[1] == expected, f"'{done}': {directions(b, 'across')}, expected {expected}")
-    holds(directions(b, "across")[0].endswith("sagittal, mirrored") and directions(b, "across")[2] == "up probe", f"turned and mirrored: {directions(b, 'across')}")
+    holds(directions(b, "across")[0] == "Mirrored: A plane (across), sagittal" and directions(b, "across")[2] == "up probe", f"turned and mirrored: {directions(b, 'across')}")
     holds(b.run("return [look.turned.across, look.turned.deep, canvases.across.canvas.style.transform]") == [4, 0, "rotate(0deg) scale(-1, 1)"], "it stands otherwise")
     cross = b.run("return [canvases.across.down.style.left, canvases.across.right.style.top].map(parseFloat)")
     holds(abs(cross[0] - 30) < 1e-6 and abs(cross[1] - 40) < 1e-6, f"the crosshair of 0.7, 0.4 stands at {cross}")
@@ -431,6 +446,7 @@ def main():
         with open(os.path.join(scans, "bad.mha"), "w") as file:
             file.write("no volume")
         with a_page(BUILD, "#file=0:lying.mha", [scans]) as (b, console, work):
+            captions_can_be_read(b)
             planes_lie_in_the_patient(b)
             distances(b)
             several_distances_are_kept(b)
