@@ -32,12 +32,16 @@ static inline sv_status sva_wrong_state(sva *a, const char *call) {
 
 /* ----------------------------------------------------------------------------------------- control -- */
 
+static inline void sva_free_map(void *map) {
+    if (map) free((uint8_t *)map - SV_BAND_BYTES);
+}
+
 static inline void sva_release(sva *a) {
     if (a->method->deactivate) a->method->deactivate(a);
     free((void *)a->slice);
-    free(a->depth);
-    free(a->points);
-    free(a->rays);
+    sva_free_map(a->depth);
+    sva_free_map(a->points);
+    sva_free_map(a->rays);
     a->slice = NULL;
     a->rays = NULL;
     a->depth = NULL;
@@ -95,18 +99,23 @@ static inline void sva_keep_format(sva *a, const sv_format *format) {
     for (int i = 0; i < 3; i++) f->spacing_mm[i] = SV_ASSUMED_EXTENT_MM / (float)longest;
 }
 
-/* Zeros for every ray, with a band behind them; NULL without memory. */
+/* Zeros for every ray, with a band before and behind them; NULL without memory. sva_free_map frees it. */
 static inline void *sva_make_map(const sva *a, size_t ray_bytes) {
-    const size_t rays = sva_rays(a), bytes = rays * ray_bytes;
-    if (ray_bytes > ((size_t)-1 - SV_BAND_BYTES) / rays) return NULL;
-    uint8_t *map = (uint8_t *)calloc(1, bytes + SV_BAND_BYTES);
-    if (map) sv_band_make(map + bytes);
-    return map;
+    const size_t rays = sva_rays(a), bytes = rays * ray_bytes, bands = 2 * (size_t)SV_BAND_BYTES;
+    if (ray_bytes > ((size_t)-1 - bands) / rays) return NULL;
+    uint8_t *band = (uint8_t *)calloc(1, bytes + bands);
+    if (!band) return NULL;
+    sv_band_make(band);
+    sv_band_make(band + SV_BAND_BYTES + bytes);
+    return band + SV_BAND_BYTES;
 }
 
-/* 1 if something was written behind a map; its band is whole again then. */
+/* 1 if something was written before or behind a map; its bands are whole again then. */
 static inline int sva_is_overrun(const sva *a, void *map, size_t ray_bytes) {
-    return map && !sv_band_holds((uint8_t *)map + sva_rays(a) * ray_bytes);
+    if (!map) return 0;
+    const int before = sv_band_holds((uint8_t *)map - SV_BAND_BYTES);
+    const int behind = sv_band_holds((uint8_t *)map + sva_rays(a) * ray_bytes);
+    return !before || !behind;
 }
 
 /* The method's status, or SV_ERR_INTERNAL if it has written beyond its rays. */
@@ -117,8 +126,8 @@ static inline sv_status sva_check_maps(sva *a, const char *call, sv_status statu
     if (!depth && !points && !rays) return status;
     return sva_accuse(a, SV_ERR_INTERNAL, SV_BAND_TEXT, call, count,
                       depth    ? ""
-                      : points ? " into what follows sva.points"
-                               : " into what follows sva.rays: is sva_method.ray_bytes right?");
+                      : points ? " into what surrounds sva.points"
+                               : " into what surrounds sva.rays: is sva_method.ray_bytes right?");
 }
 
 static inline sv_status sva_allocate(sva *a) {
@@ -129,9 +138,10 @@ static inline sv_status sva_allocate(sva *a) {
     if (maps) a->points = (uint8_t *)sva_make_map(a, 1);
     if (maps && a->method->ray_bytes) a->rays = sva_make_map(a, a->method->ray_bytes);
     /* For who finds a crash behind it: sv_validate quotes the last line. */
-    if (maps && !a->own) sva_log(a, SV_LOG_DEBUG, "sva_method.own_bytes is 0: sva.own is NULL");
+    if (maps && !a->own)
+        sva_log(a, SV_LOG_DEBUG, "should it crash: sva.own is NULL, since sva_method.own_bytes is 0");
     if (maps && !a->method->ray_bytes)
-        sva_log(a, SV_LOG_DEBUG, "sva_method.ray_bytes is 0: sva.rays is NULL");
+        sva_log(a, SV_LOG_DEBUG, "should it crash: sva.rays is NULL, since sva_method.ray_bytes is 0");
     if ((maps && (!a->depth || !a->points || (a->method->ray_bytes && !a->rays))) ||
         (maps && a->format.carrier == SV_CARRIER_HOST && !a->slice))
         return sva_error(a, SV_ERR_NO_MEMORY, "activate: no memory for maps of %u x %u",

@@ -112,7 +112,7 @@ scan_of_nothing = done(BEGIN, frame()) + done(SLAB, slab(0, 256)) + done(FINISH,
 # A larger activation that did not come about, or of which nobody knows: what follows is of the small one.
 large = form(side=1000, slices=100)
 # The debug line of author.h for a method that keeps nothing of its own.
-own = part(LINE, struct.pack("<i", 0) + text("sva_method.own_bytes is 0: sva.own is NULL"))
+own = part(LINE, struct.pack("<i", 0) + text("should it crash: sva.own is NULL, since sva_method.own_bytes is 0"))
 whole = start + call(ACTIVATE, form()) + own + returned(ACTIVATE) + done(BEGIN, frame())
 right = {"right": whole + done(SLAB, slab()) + call(FINISH, result) + line + returned(FINISH) + off}
 # An activation that was refused there and is taken here: want of memory at the customer's, or a lie.

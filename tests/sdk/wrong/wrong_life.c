@@ -275,6 +275,7 @@ static sv_status find(sva *a, float *depth) {
     const sv_status status = wrong_find(a, depth);
     if (WRONG_IS(hang_with_value) && sva_value(a, GAP) == 5.0) wrong_hang();
     if (WRONG_IS(surface_overruns)) depth[rays] = 0.0f;
+    if (WRONG_IS(surface_underruns)) *(depth - 1) = 0.0f;
     if (WRONG_IS(points_overrun)) memset(a->points + rays, SV_POINT_NONE, a->format.width);
     if (WRONG_IS(rays_overrun)) ((wrong_edge *)a->rays)[rays].far = 1;
     return status;

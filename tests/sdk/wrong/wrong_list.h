@@ -111,6 +111,7 @@
     WRONG(forgets_ray_bytes, life, first-frame, "the method keeps something for every ray and tells no ray_bytes") \
     WRONG(activate_fails, life, first-frame, "activate refuses every format") \
     WRONG(surface_overruns, life, first-frame, "the surface has a value more than there are rays") \
+    WRONG(surface_underruns, life, first-frame, "the surface has a value before the first ray's") \
     WRONG(points_overrun, life, first-frame, "the method writes a row behind its status map") \
     WRONG(rays_overrun, life, first-frame, "the method keeps more of a ray than its ray_bytes") \
     WRONG(hang_in_activate, life, first-frame, "activate never returns") \
