@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from . import _images, _kretz, _process
 from ._errors import FileError, OutputError, SmartVisError
 
-SUFFIXES = (".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".dcm", ".vtk", ".tif", ".tiff", *_kretz.SUFFIXES)
+WRITTEN = (".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".vtk", ".tif", ".tiff")  #: formats of volumes
+SUFFIXES = (*WRITTEN, ".dcm", *_kretz.SUFFIXES)
 
 
 class Source:
@@ -99,7 +100,10 @@ def whole(path: Path, write: Callable[[Path], object]) -> Path:
 
 
 def write_image(path: Path, image: Any) -> Path:
-    """An image in the format that the file's suffix names, compressed where the format can."""
+    """An image in the format that the file's suffix names, compressed where the format can. A format of pictures is
+    refused, of which a volume would have one slice."""
+    if not path.name.lower().endswith(WRITTEN):
+        raise OutputError(f"{path}: no volume is written by this suffix, but by {' '.join(WRITTEN)}")
     parts = _images.parts(image)
     return whole(path, lambda part: _process.ask("write", str(path), str(part), parts))
 

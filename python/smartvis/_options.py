@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from ._files import WRITTEN
 from ._plugin import load
 from ._products import WRITABLE
 from ._seen import SIDES
@@ -93,14 +94,21 @@ def add_clip_options(parser: argparse.ArgumentParser) -> None:
     add("--probe", metavar="SIDE", choices=("auto", *SIDES), default="auto", help=where)
 
 
+def format_of(text: str) -> str:
+    if text.startswith(".") and text.lower().endswith(WRITTEN):
+        return text
+    raise argparse.ArgumentTypeError(f"'{text}', expected one of {' '.join(WRITTEN)}, or .seq.nrrd")
+
+
 def add_product_options(parser: argparse.ArgumentParser, default: str) -> None:
     """The options of what reads and writes files."""
     add = parser.add_argument
-    add("--spacing", metavar="X,Y,Z", type=spacing_of, help="mm between voxels, where files do not say it")
+    add("--spacing", metavar="X,Y,Z", type=spacing_of, help="mm between voxels, where files do not say it, or wrongly")
     add("--write", metavar="LIST", default=default, help=f"of {','.join(WRITABLE)} [{default}]")
     add(
         "--format",
         metavar="SUFFIX",
+        type=format_of,
         default=".nrrd",
         help="of volumes: .nrrd, .mha, .nii.gz; .seq.nrrd: one for a sequence [.nrrd]",
     )

@@ -209,6 +209,8 @@ def test_what_goes_wrong_is_said_once(tmp_path: Path, image) -> None:
         (["clip", "{}", "--window", "5,1"], "two finite numbers, the lower first"),
         (["clip", "{}", "--level", "nan"], "'nan', expected a finite number"),
         (["clip", "{}", "--write", ","], "--write: ',' names none of"),
+        (["clip", "{}", "--format", ".png"], "'.png', expected one of .nrrd "),
+        (["batch", "{}", "--format", "nrrd"], "'nrrd', expected one of .nrrd "),
         (["clip", "{}", "--mirror"], "--mirror: is for Kretz volumes"),
         (["batch", "{}", "--mirror"], "--mirror: is for Kretz volumes"),
         (["serve", "--port", "0", "--limit", "-1"], "'-1', expected a whole number above 0"),

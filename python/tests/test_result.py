@@ -12,6 +12,7 @@ from conftest import layers
 
 import smartvis
 from smartvis import _images
+from smartvis._errors import OutputError
 
 LEFT_HANDED = (-1, 0, 0, 0, 0, 1, 0, -1, 0)
 
@@ -59,6 +60,14 @@ def test_what_is_saved_is_the_result(tmp_path: Path, of: str) -> None:
     assert names == ["result_clipped.nrrd", "result_depth.nrrd", "result_mesh.ply", "result_look.png"]
     assert all((tmp_path / "all" / name).stat().st_size > 100 for name in names)
     assert result.save(str(tmp_path / "mesh.ply"))[0].read_bytes() == (tmp_path / "all" / names[2]).read_bytes()
+
+
+@pytest.mark.parametrize("name", ["result.foo", "result.jpg", "result.vol"])
+def test_no_volume_is_written_as_what_cannot_hold_it(tmp_path: Path, volume: np.ndarray, name: str) -> None:
+    words = f"{name}: no volume is written by this suffix, but by .nrrd "
+    with pytest.raises(OutputError, match=re.escape(words)):
+        smartvis.clip(volume, (1, 1, 1)).save(tmp_path / name)
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_unknown_spacing_stays_unknown(tmp_path: Path, volume: np.ndarray) -> None:
