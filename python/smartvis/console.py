@@ -81,5 +81,6 @@ def open_files(paths: Sequence[str], more: Sequence[str]) -> int:
         sys.stdout.flush()
         try:
             return process.wait()
-        except KeyboardInterrupt:  # which the console has got, too
+        except KeyboardInterrupt:  # from a terminal the console has got it, too; from another program it has not
+            process.terminate()
             return process.wait()

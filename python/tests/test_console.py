@@ -34,6 +34,17 @@ def smartvis(*arguments):
     )  # fmt: skip
 
 
+def test_an_interrupt_that_only_python_gets_ends_the_console():
+    began = smartvis("--stay")
+    try:
+        assert began.stdout.readline().startswith("Console  http://127.0.0.1:")
+        began.send_signal(signal.SIGINT)
+        assert began.wait(LONG) == 0
+    finally:
+        began.kill()
+        began.communicate()
+
+
 def test_formats_are_one_volume(tmp_path):
     image = sitk.GetImageFromArray(layers((40, 32, 24)))
     image.SetSpacing((0.9, 0.7, 1.1))
