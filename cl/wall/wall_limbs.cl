@@ -25,6 +25,7 @@ static size_t flag_place(const sv_wall_layout *l, uint z, uint row, uint x) {
 #define LIMBS_SOURCE 1 /* wall, and what was not scanned */
 #define LIMBS        2 /* tissue between fluid; later, what of it floats */
 #define LIMBS_ABOVE  3 /* reached from above */
+#define LIMBS_NEAR   4 /* the near field that was skipped */
 
 /* A limb is at most so many times `full_distance` thick along its beam. */
 #define LIMBS_THICK 2
@@ -36,19 +37,21 @@ static size_t limb_column(const sv_wall_layout *l, uint plane, uint row) {
 
 /* The bits of a plane of beams in one layer. */
 typedef struct {
-    ulong scanned, tissue, dark;
+    ulong scanned, tissue, dark, skipped;
 } bits_t;
 
-static bits_t bits_of(const sv_wall_layout *l, __global const uchar *relative, __global const ushort *rays,
-                      uint z, uint row) {
+static bits_t bits_of(const sv_wall_layout *l, __global const uchar *grey, __global const uchar *relative,
+                      __global const ushort *rays, uint z, uint row) {
     __global const uchar *const level = relative + level_row(l, z, row);
+    __global const uchar *const own = grey + level_row(l, z, row);
     __global const ushort *const first = rays + block_row(l, RAY_FIRST, row);
     __global const ushort *const end = rays + block_row(l, RAY_END, row);
-    bits_t b = {0, 0, 0};
+    bits_t b = {0, 0, 0, 0};
     for (uint x = 0; x < l->columns; x++) {
         b.scanned |= (ulong)((z >= first[x]) & (z < end[x])) << x;
         b.tissue |= (ulong)(level[x] > SV_WALL_TISSUE) << x;
         b.dark |= (ulong)(level[x] <= l->dim) << x;
+        b.skipped |= (ulong)((z < first[x]) & (own[x] > 0)) << x;
     }
     b.tissue &= b.scanned;
     b.dark &= b.scanned;
@@ -68,19 +71,21 @@ static void drop_thick(__global ulong *between, uint layers, uint most) {
 
 /* One work item per plane of beams: the words of its layers. */
 __kernel void wall_between(sv_wall_layout l, __global const uint *restrict info,
-                           __global const uchar *restrict relative, __global const ushort *restrict rays,
-                           __global ulong *restrict limbs) {
+                           __global const uchar *restrict grey, __global const uchar *restrict relative,
+                           __global const ushort *restrict rays, __global ulong *restrict limbs) {
     const uint row = (uint)get_global_id(0);
     /* A mask: LLVM 21, of PoCL 7.1, compiles a loop for each case, and one of them does not end. */
     const ulong wanted = info[SV_WALL_INFO_OUTCOME] != SV_WALL_EMPTY ? ~0UL : 0;
     __global ulong *const tissue = limbs + limb_column(&l, LIMBS_TISSUE, row);
     __global ulong *const source = limbs + limb_column(&l, LIMBS_SOURCE, row);
     __global ulong *const between = limbs + limb_column(&l, LIMBS, row);
+    __global ulong *const near = limbs + limb_column(&l, LIMBS_NEAR, row);
     ulong wall = ~0UL, behind = 0;
     for (uint z = 0; z < l.layers; z++) {
-        const bits_t b = bits_of(&l, relative, rays, z, row);
+        const bits_t b = bits_of(&l, grey, relative, rays, z, row);
         wall &= ~b.dark;
         tissue[z] = b.tissue & wanted;
+        near[z] = b.skipped & wanted;
         source[z] = (b.tissue & wall) | ~(b.scanned & wanted);
     }
     for (uint z = l.layers; z-- > 0;) {
@@ -153,17 +158,39 @@ static void mark_sample(const sv_wall_layout *l, const sv_wall_grid *g, const be
             }
 }
 
-/* One work item per beam, for a camera, `l`: marks the cells where limbs float along its beam. `limbs`: a
- * plane of words. */
-__kernel void wall_mark_limbs(sv_wall_layout l, sv_wall_grid g, __global const uint *restrict tables,
-                              __global const ulong *restrict limbs, __global uint *restrict flags) {
+/* One work item per beam, for a camera, `l`: marks the cells where its samples are set in `plane_of_words`.
+ */
+__kernel void wall_mark_limbs(sv_wall_layout l, sv_wall_grid g, uint plane_of_words,
+                              __global const uint *restrict tables, __global const ulong *restrict limbs,
+                              __global uint *restrict flags) {
     const uint line = (uint)get_global_id(0), plane = (uint)get_global_id(1);
     if (line >= g.lines) return;
     ulong any = 0;
-    limbs += ((size_t)LIMBS * g.planes + plane) * g.samples;
+    limbs += ((size_t)plane_of_words * g.planes + plane) * g.samples;
     for (uint k = 0; k < g.samples; k++) any |= limbs[k];
     if (!(any >> line & 1)) return;
     const beam_t b = beam_of(&g, tables, line, plane);
     for (uint k = b.first; k < g.samples; k++)
         if (limbs[k] >> line & 1) mark_sample(&l, &g, &b, k, flags);
+}
+
+/* One work item per row of cells of a camera: no cell is marked. `words`: of a row. */
+__kernel void wall_clear_marks(sv_wall_layout l, uint words, __global uint *restrict flags) {
+    flags += (size_t)get_global_id(0) * words;
+    for (uint i = 0; i < words; i++) flags[i] = 0;
+}
+
+/* One work item per ray of a camera: one that begins with dark blocks in marked cells begins behind them. */
+__kernel void wall_skip_near(sv_wall_layout l, __global const uint *restrict info,
+                             __global const uchar *restrict relative, __global const uchar *restrict flags,
+                             __global ushort *restrict rays) {
+    const uint x = (uint)get_global_id(0), row = (uint)get_global_id(1);
+    if (x >= l.columns || info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
+    __global ushort *const first = rays + block_row(&l, RAY_FIRST, row) + x;
+    const uint end = rays[block_row(&l, RAY_END, row) + x];
+    uint z = *first;
+    while (z < end && relative[level_row(&l, z, row) + x] <= l.dim &&
+           flags[flag_place(&l, z, row / 2, x / 2)])
+        z++;
+    if (z < end) *first = (ushort)z;
 }

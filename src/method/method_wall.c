@@ -10,7 +10,7 @@
 
 #include <stdlib.h>
 
-enum { RAY_PLANES = 5, LIMB_PLANES = 4, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
+enum { RAY_PLANES = 5, LIMB_PLANES = 5, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
 
 /* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -174,17 +174,41 @@ static sv_status ask_beams(const sv_map *m, sv_method_state *s, const sv_wall_gr
     return along_beams(m, s, grid, work_of(m)->verdict + 1);
 }
 
-/* Marks the camera's cells where limbs float along the beams. */
-static sv_status mark_limbs(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid) {
+/* Planes of SV_WALL_LIMBS (cl/wall/wall_limbs.cl). */
+enum { LIMBS = 2, LIMBS_NEAR = 4 };
+
+/* Marks the camera's cells at the samples of such a plane. */
+static sv_status mark_cells(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid, uint32_t plane) {
     const sv_wall_work *work = work_of(m);
     const sv_wall_own *const own = sv_wall_own_of(s);
     sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[work->mark], work->kernels[work->mark]);
     sv_launch_arg(&l, sizeof own->camera, &own->camera);
     sv_launch_arg(&l, sizeof *grid, grid);
+    sv_launch_uint(&l, plane);
     sv_launch_buffer(&l, s->buffer[SV_WALL_TABLES]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_BEAMS + SV_WALL_LIMBS]);
     sv_launch_buffer(&l, s->buffer[SV_WALL_FLAGS]);
     return sv_launch_pixels(&l, grid->lines, grid->planes, SV_STAGE_THRESHOLD);
+}
+
+/* Lets the camera's rays begin behind the near field that was skipped along the beams. */
+static sv_status skip_near(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid) {
+    const sv_wall_work *work = work_of(m);
+    const sv_wall_layout *const camera = &sv_wall_own_of(s)->camera;
+    const size_t words = sv_wall_flags_bytes(camera) / sizeof(cl_uint) / camera->cells[1];
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[work->clear], work->kernels[work->clear]);
+    sv_launch_arg(&l, sizeof *camera, camera);
+    sv_launch_uint(&l, (uint32_t)words);
+    sv_launch_buffer(&l, s->buffer[SV_WALL_FLAGS]);
+    sv_status status = sv_launch_items(&l, camera->cells[1], SV_STAGE_THRESHOLD);
+    if (status == SV_OK) status = mark_cells(m, s, grid, LIMBS_NEAR);
+    if (status != SV_OK) return status;
+    l = sv_launch_begin(m->queue, s->kernels.kernel[work->skip], work->kernels[work->skip]);
+    sv_launch_arg(&l, sizeof *camera, camera);
+    static const int buffers_taken[] = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_FLAGS, SV_WALL_RAYS};
+    for (size_t i = 0; i < sizeof buffers_taken / sizeof *buffers_taken; i++)
+        sv_launch_buffer(&l, s->buffer[buffers_taken[i]]);
+    return sv_launch_pixels(&l, camera->columns, camera->rows, SV_STAGE_THRESHOLD);
 }
 
 static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_context *frame) {
@@ -202,8 +226,10 @@ static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_contex
     if (status != SV_OK) return status;
     own->camera.told = told;
     own->holds = told;
-    status = sv_wall_launch_all(m, s, work, work->gathered, work->surrounded, false, NULL);
-    if (status == SV_OK && told) status = mark_limbs(m, s, &grid);
+    status = sv_wall_launch_all(m, s, work, work->gathered, work->near, false, NULL);
+    if (status == SV_OK && told) status = skip_near(m, s, &grid);
+    if (status == SV_OK) status = sv_wall_launch_all(m, s, work, work->near, work->surrounded, false, NULL);
+    if (status == SV_OK && told) status = mark_cells(m, s, &grid, LIMBS);
     if (status != SV_OK) return status;
     return sv_wall_launch_all(m, s, work, work->surrounded, work->first_at_q, false, NULL);
 }

@@ -86,12 +86,15 @@ typedef struct {
     sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *from);
     /* Makes the blocks of a grid along the beams, in place of the first launches. */
     sv_status (*gather)(const sv_map *map, sv_method_state *state, const sv_wall_grid *grid);
-    int mark;                       /* the kernel that marks a camera's cells where limbs float */
+    /* The kernels that clear a camera's marks of cells, mark those at samples of the beams, and let rays
+     * begin behind a near field that is marked. */
+    int clear, mark, skip;
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
     uint32_t count, first_at_q;     /* their number; the first one that depends on q */
     uint32_t
         reconstructs; /* the first one of SV_STAGE_RECONSTRUCT; before it all are of SV_STAGE_THRESHOLD */
     uint32_t gathered, verdict; /* those between are launched for the beams, too, with the latter */
+    uint32_t near;              /* the first one that reads where rays begin behind the near field */
     uint32_t floated;           /* what comes before it finds limbs along the beams, of those between */
     uint32_t surrounded;        /* the first one that reads what surrounds cells, and where limbs float */
 } sv_wall_work;

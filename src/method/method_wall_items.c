@@ -24,7 +24,9 @@
     KERNEL(SURROUNDINGS, "wall_items_surroundings") \
     KERNEL(BETWEEN, "wall_between") \
     KERNEL(FLOATING, "wall_floating") \
+    KERNEL(CLEAR_MARKS, "wall_clear_marks") \
     KERNEL(MARK_LIMBS, "wall_mark_limbs") \
+    KERNEL(SKIP_NEAR, "wall_skip_near") \
     KERNEL(COSTS, "wall_items_costs") \
     KERNEL(CELLS, "wall_items_cells") \
     KERNEL(DECIDE, "wall_decide") \
@@ -119,7 +121,8 @@ static const sv_wall_launch launches[] = {
     {K_FIRST_RUNS, SV_WALL_GROUPS,
      .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_RELATIVE, SV_WALL_BRIGHT, SV_WALL_RAYS,
                  SV_WALL_HISTOGRAMS, SV_WALL_FRONTS, -1}},
-    {K_BETWEEN, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_LIMBS, -1},
+    {K_BETWEEN, SV_WALL_ROWS,
+     .buffers = {SV_WALL_INFO, SV_WALL_LEVELS, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_LIMBS, -1},
      .when = SV_WALL_FOR_BEAMS},
     {K_FLOATING, SV_WALL_ALL_LAYERS, .buffers = {SV_WALL_LIMBS, -1}, .when = SV_WALL_FOR_BEAMS},
     {K_EVIDENCE, SV_WALL_ONE_GROUP, .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
@@ -157,12 +160,15 @@ enum { COUNT = sizeof launches / sizeof *launches };
 const sv_wall_work sv_wall_items = {.kernels = sv_wall_items_kernels,
                                     .slabs = slabs,
                                     .gather = gather,
+                                    .clear = K_CLEAR_MARKS,
                                     .mark = K_MARK_LIMBS,
+                                    .skip = K_SKIP_NEAR,
                                     .launches = launches,
                                     .count = COUNT,
                                     .reconstructs = 14,
                                     .first_at_q = COUNT - 2,
                                     .gathered = 2,
+                                    .near = 9,
                                     .verdict = 22,
                                     .floated = 12,
                                     .surrounded = 14};

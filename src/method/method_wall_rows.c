@@ -19,7 +19,9 @@
     KERNEL(SURROUNDINGS, "wall_surroundings") \
     KERNEL(BETWEEN, "wall_between") \
     KERNEL(FLOATING, "wall_floating") \
+    KERNEL(CLEAR_MARKS, "wall_clear_marks") \
     KERNEL(MARK_LIMBS, "wall_mark_limbs") \
+    KERNEL(SKIP_NEAR, "wall_skip_near") \
     KERNEL(COSTS, "wall_costs") \
     KERNEL(DECIDE, "wall_decide") \
     KERNEL(BLUR, "wall_blur") \
@@ -92,7 +94,8 @@ static const sv_wall_launch launches[] = {
      .buffers = {SV_WALL_INFO, SV_WALL_SMOOTHED, SV_WALL_SCRATCH, SV_WALL_RELATIVE, SV_WALL_ROW_MAXIMA,
                  SV_WALL_BRIGHT, SV_WALL_RAYS, SV_WALL_HISTOGRAMS, SV_WALL_FLAGS, SV_WALL_FRONTS, -1},
      .takes = SV_WALL_SCRATCH_WORDS},
-    {K_BETWEEN, SV_WALL_ROWS, .buffers = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_LIMBS, -1},
+    {K_BETWEEN, SV_WALL_ROWS,
+     .buffers = {SV_WALL_INFO, SV_WALL_LEVELS, SV_WALL_RELATIVE, SV_WALL_RAYS, SV_WALL_LIMBS, -1},
      .when = SV_WALL_FOR_BEAMS},
     {K_FLOATING, SV_WALL_ALL_LAYERS, .buffers = {SV_WALL_LIMBS, -1}, .when = SV_WALL_FOR_BEAMS},
     {K_EVIDENCE, SV_WALL_ONCE, .buffers = {SV_WALL_HISTOGRAMS, SV_WALL_TABLES, SV_WALL_INFO, -1}},
@@ -132,12 +135,15 @@ enum { COUNT = sizeof launches / sizeof *launches };
 const sv_wall_work sv_wall_rows = {.kernels = sv_wall_rows_kernels,
                                    .slabs = slabs,
                                    .gather = gather,
+                                   .clear = K_CLEAR_MARKS,
                                    .mark = K_MARK_LIMBS,
+                                   .skip = K_SKIP_NEAR,
                                    .launches = launches,
                                    .count = COUNT,
                                    .reconstructs = 10,
                                    .first_at_q = COUNT - 2,
                                    .gathered = 2,
+                                   .near = 5,
                                    .verdict = 16,
                                    .floated = 8,
                                    .surrounded = 10};

@@ -106,7 +106,7 @@ static bool make_maps(sv_wall_scan *scan, const sv_wall_levels *levels, const sv
     sv_wall_evidence_of(scan, levels, evidence);
     scan->surroundings = maps->surroundings = sv_wall_surroundings_map(scan, evidence);
     if (!maps->surroundings) return false;
-    if (told && told->limbs) sv_wall_mark_limbs(told, scan->layout, maps->surroundings);
+    if (told && told->limbs) sv_wall_mark_cells(told, told->limbs, scan->layout, maps->surroundings);
     return true;
 }
 
@@ -118,7 +118,10 @@ static bool surface(const sv_wall_layout *l, sv_wall_blocks *blocks, const sv_wa
     sv_wall_scan scan = {.layout = l, .blocks = blocks};
     cell_maps maps = {0};
     if (!sv_wall_relate_levels(l, levels, blocks)) return false;
-    sv_wall_skip_near_field(l, blocks);
+    if (!told)
+        sv_wall_skip_near_field(l, blocks);
+    else if (!sv_wall_skip_told_field(told, l, blocks))
+        return false;
     sv_wall_fill_dim_fronts(l, blocks);
     sv_wall_part_valleys(l, blocks);
     bool done = make_maps(&scan, levels, told, &maps, &evidence);
@@ -155,8 +158,11 @@ static bool ask_beams(const sv_wall_blocks *camera, sv_wall_told *told, sv_wall_
     if (done) {
         done = surface_of_blocks(l, &blocks, NULL, maps, maps + count, &told->outcome, facts);
         told->share = facts->share;
-        if (done && told->outcome != SV_WALL_EMPTY)
-            done = (told->limbs = sv_wall_limbs_of(l, &blocks)) != NULL;
+        if (done && told->outcome != SV_WALL_EMPTY) {
+            told->limbs = sv_wall_limbs_of(l, &blocks);
+            told->near_field = sv_wall_near_field_of(l, &blocks);
+            done = told->limbs && told->near_field;
+        }
         sv_wall_blocks_destroy(&blocks);
     }
     free(maps);
@@ -187,6 +193,7 @@ bool sv_wall_surface(const sv_wall_volume *v, const sv_wall_settings *settings, 
     if (done && !clips) clip_nothing(&l, depth, confidence);
     sv_wall_blocks_destroy(&blocks);
     free(said.limbs);
+    free(said.near_field);
     if (done && facts) *facts = found;
     return done;
 }

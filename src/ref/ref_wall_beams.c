@@ -119,7 +119,7 @@ static void find_near(int64_t at, int32_t near, uint32_t count, uint32_t *first,
 }
 
 static void mark_sample(const sv_wall_grid *g, const sv_wall_layout *camera, const beam *b, uint32_t k,
-                        uint8_t *surroundings) {
+                        uint8_t *cells) {
     const uint32_t sides[3] = {camera->columns, camera->rows, camera->layers};
     uint32_t first[3], end[3];
     for (int a = 0; a < 3; a++)
@@ -127,11 +127,11 @@ static void mark_sample(const sv_wall_grid *g, const sv_wall_layout *camera, con
     for (uint32_t z = first[2]; z < end[2]; z++)
         for (uint32_t y = first[1]; y < end[1]; y++)
             for (uint32_t x = first[0]; x < end[0]; x++)
-                surroundings[((size_t)z * camera->cells[1] + y / 2) * camera->cells[0] + x / 2] |=
-                    SV_WALL_FLOATS;
+                cells[((size_t)z * camera->cells[1] + y / 2) * camera->cells[0] + x / 2] |= SV_WALL_FLOATS;
 }
 
-void sv_wall_mark_limbs(const sv_wall_told *told, const sv_wall_layout *camera, uint8_t *surroundings) {
+void sv_wall_mark_cells(const sv_wall_told *told, const uint8_t *samples, const sv_wall_layout *camera,
+                        uint8_t *cells) {
     const sv_wall_layout *l = told->layout;
     const size_t plane = (size_t)l->columns * l->rows;
     uint32_t tables[SV_WALL_TABLE_WORDS];
@@ -139,6 +139,6 @@ void sv_wall_mark_limbs(const sv_wall_told *told, const sv_wall_layout *camera, 
     for (uint32_t ray = 0; ray < plane; ray++) {
         const beam b = beam_of(told->grid, tables, ray % l->columns, ray / l->columns);
         for (uint32_t k = b.first; k < l->layers; k++)
-            if (told->limbs[k * plane + ray]) mark_sample(told->grid, camera, &b, k, surroundings);
+            if (samples[k * plane + ray]) mark_sample(told->grid, camera, &b, k, cells);
     }
 }

@@ -113,6 +113,30 @@ void sv_wall_skip_near_field(const sv_wall_layout *l, sv_wall_blocks *b) {
         b->first[ray] = (uint16_t)(b->first[ray] + dark_front(l, b, ray));
 }
 
+uint8_t *sv_wall_near_field_of(const sv_wall_layout *l, const sv_wall_blocks *b) {
+    const size_t plane = (size_t)l->columns * l->rows;
+    uint8_t *const skipped = calloc(plane, l->layers);
+    for (size_t ray = 0; skipped && ray < plane; ray++)
+        for (size_t z = 0; z < b->first[ray]; z++) skipped[z * plane + ray] = b->levels[z * plane + ray] > 0;
+    return skipped;
+}
+
+bool sv_wall_skip_told_field(const sv_wall_told *told, const sv_wall_layout *l, sv_wall_blocks *b) {
+    const size_t plane = (size_t)l->columns * l->rows, cells = (size_t)l->cells[0] * l->cells[1];
+    if (!told->near_field) return true;
+    uint8_t *const marks = calloc(cells, l->layers);
+    if (!marks) return false;
+    sv_wall_mark_cells(told, told->near_field, l, marks);
+    for (size_t ray = 0; ray < plane; ray++) {
+        const size_t cell = ray / l->columns / 2 * l->cells[0] + ray % l->columns / 2;
+        uint32_t z = b->first[ray];
+        while (z < b->end[ray] && b->relative[z * plane + ray] <= l->dim && marks[z * cells + cell]) z++;
+        if (z < b->end[ray]) b->first[ray] = (uint16_t)z;
+    }
+    free(marks);
+    return true;
+}
+
 void sv_wall_fill_dim_fronts(const sv_wall_layout *l, sv_wall_blocks *b) {
     const size_t plane = (size_t)l->columns * l->rows;
     for (size_t ray = 0; ray < plane; ray++)

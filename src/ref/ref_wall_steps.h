@@ -50,11 +50,18 @@ typedef struct {
     uint32_t share; /* of the dark blocks in gaps, of 1000 */
     const sv_wall_grid *grid;
     const sv_wall_layout *layout; /* the grid's */
-    uint8_t *limbs;               /* NULL: none were looked for */
+    uint8_t *limbs;               /* NULL: none were looked for; and then the next is NULL, too */
+    uint8_t *near_field;          /* 1: a sample that was skipped (sv_wall_near_field_of) */
 } sv_wall_told;
 
-/* Gives the cells of a camera near such samples the flag SV_WALL_FLOATS. */
-void sv_wall_mark_limbs(const sv_wall_told *told, const sv_wall_layout *camera, uint8_t *surroundings);
+/* Of every sample of the grid, laid out like its blocks: 1 if it is not black and lies before its beam's
+ * scan, because the near field was skipped. The caller frees it. */
+uint8_t *sv_wall_near_field_of(const sv_wall_layout *layout, const sv_wall_blocks *blocks);
+
+/* Gives the cells of a camera that lie near samples the flag SV_WALL_FLOATS. `samples`: of told->grid, 1
+ * where there is one. `cells`: laid out like the brightness map. */
+void sv_wall_mark_cells(const sv_wall_told *told, const uint8_t *samples, const sv_wall_layout *camera,
+                        uint8_t *cells);
 
 /* ---- grey levels: the threshold between fluid and tissue (ref_wall_levels.c) */
 
@@ -90,6 +97,10 @@ bool sv_wall_relate_levels(const sv_wall_layout *layout, const sv_wall_levels *l
  * layout->near_field dark layers, the scan of these rays begins behind them. Fluid in front of a limb near
  * the probe is dark, too, but on few rays. Changes blocks->first. */
 void sv_wall_skip_near_field(const sv_wall_layout *layout, sv_wall_blocks *blocks);
+
+/* The same where the beams tell it: rays that begin with dark blocks in marked cells begin behind them,
+ * however many these are. False: no memory. */
+bool sv_wall_skip_told_field(const sv_wall_told *told, const sv_wall_layout *layout, sv_wall_blocks *blocks);
 
 /* Dim blocks at the start of a ray's scan are tissue: SV_WALL_DIM_TISSUE. Changes blocks->relative. */
 void sv_wall_fill_dim_fronts(const sv_wall_layout *layout, sv_wall_blocks *blocks);

@@ -303,8 +303,47 @@ static void test_kernels_follow_the_definition(void **state) {
         if (outcome != SV_WALL_EMPTY) assert_true(answers[outcome] > 0);
 }
 
+enum { GEL_SIDE = 84 };
+
+/* What of a scan lies nearer to the apex than `radius` becomes gel; then the scan as a camera sees it that
+ * looks along x from the probe's left, if it is asked for. */
+static uint8_t *with_gel(const uint8_t *volume, const sv_beams *b, double mm, double radius, bool left) {
+    const size_t plane = (size_t)GEL_SIDE * GEL_SIDE;
+    uint8_t *const out = unit_memory(plane * GEL_SIDE);
+    for (size_t i = 0; i < plane * GEL_SIDE; i++) {
+        const size_t x = i % GEL_SIDE, y = i / GEL_SIDE % GEL_SIDE, z = i / plane;
+        const double off[3] = {(double)x * mm - (double)b->apex_mm[0], (double)y * mm - (double)b->apex_mm[1],
+                               (double)z * mm - (double)b->apex_mm[2]};
+        const bool gel = sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]) < radius;
+        out[left ? (GEL_SIDE - 1 - x) * plane + y * GEL_SIDE + z : i] = gel && volume[i] > 2 ? 2 : volume[i];
+    }
+    return out;
+}
+
+/* Gel of up to 10 mm before the wall, seen from before it and from its side, where few rays begin with it. */
+static void test_gel_along_the_beams(void **state) {
+    const double mm = 1.05;
+    const hs_scene_data data = make_scene("E01", GEL_SIDE, 2, 1, 0);
+    for (uint32_t n = 0; n < 4; n++) {
+        sv_beams fan = {.kind = SV_BEAMS_FAN, .side = {0, 0, -1}, .apex_mm = {44, 44, -70}};
+        sv_beams left = {.kind = SV_BEAMS_FAN, .side = {-1, 0, 0}, .apex_mm = {-70, 44, 43.15f}};
+        memcpy(fan.rotation, STRAIGHT, sizeof STRAIGHT);
+        memcpy(left.rotation, FROM_LEFT, sizeof FROM_LEFT);
+        uint8_t *volume = with_gel(data.full.voxels, &fan, mm, n / 2 ? 80.0 : 75.0, n % 2);
+        const wall_shape s = {.width = GEL_SIDE,
+                              .height = GEL_SIDE,
+                              .slices = GEL_SIDE,
+                              .slab_slices = 24,
+                              .padding = 0,
+                              .spacing_mm = {(float)mm, (float)mm, (float)mm},
+                              .beams = n % 2 ? &left : &fan};
+        assert_true(wall_compare(*state, &s, volume, n % 2 ? "gel, from the left" : "gel"));
+    }
+}
+
 UNIT_MAIN_OF(NULL, NULL, cmocka_unit_test(test_grid_follows_the_fan),
              cmocka_unit_test(test_untold_beams_have_no_grid),
              cmocka_unit_test(test_a_fan_from_behind_is_none),
              cmocka_unit_test(test_every_camera_has_the_same_answer),
-             RIG_TEST(test_an_answer_holds_for_its_volume), RIG_TEST(test_kernels_follow_the_definition))
+             RIG_TEST(test_an_answer_holds_for_its_volume), RIG_TEST(test_kernels_follow_the_definition),
+             RIG_TEST(test_gel_along_the_beams))

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Where a thin limb lies against the wall or near it: valleys part first runs, the fetus begins where its run
- * does, and along the beams a limb floats. By hand from the numbers of docs/surface.md.
+ * does, and along the beams a limb floats. And what the beams skip, a camera skips. By hand from the numbers
+ * of docs/surface.md.
  */
 #include "support/wall_model.h"
 #include "wall_grid.h"
@@ -192,7 +193,7 @@ static void cells_near_a_limb_float(void **state) {
     assert_true(sv_wall_grid_of(&m.layout, &beams, mm, &left, &s, &grid));
     sv_wall_told told = {.grid = &grid, .layout = &beams, .limbs = unit_memory(plane * beams.layers)};
     told.limbs[beams.layers / 2 * plane + beams.rows / 2 * beams.columns + beams.columns / 2] = 1;
-    sv_wall_mark_limbs(&told, &m.layout, m.surroundings);
+    sv_wall_mark_cells(&told, told.limbs, &m.layout, m.surroundings);
     /* the sample lies at x = 9.5, y = 9.5 + 1.5, z = 9.5 - 1.5 mm, between layers 3 and 4 */
     for (uint32_t z = 0; z < 10; z++)
         for (uint32_t y = 0; y < 10; y++)
@@ -200,6 +201,51 @@ static void cells_near_a_limb_float(void **state) {
                 const bool near = (x == 4 || x == 5) && (y == 5 || y == 6) && (z == 3 || z == 4);
                 assert_int_equal(m.surroundings[(z * 10 + y) * 10 + x], near ? SV_WALL_FLOATS : 0);
             }
+}
+
+/* Along a beam the near field is what was skipped of what was scanned; black was not. */
+static void the_near_field_is_what_beams_skip(void **state) {
+    model m;
+    make(&m, 1, 1, DEEP, NULL);
+    fill(&m, m.blocks.levels, 0, 0, DEEP, 1);
+    fill(&m, m.blocks.levels, 0, 0, 1, 0);
+    m.blocks.first[0] = 3;
+    uint8_t *const skipped = sv_wall_near_field_of(&m.layout, &m.blocks);
+    assert_non_null(skipped);
+    for (uint32_t z = 0; z < DEEP; z++) assert_int_equal(skipped[4 * (size_t)z], z == 1 || z == 2);
+    free(skipped);
+}
+
+/* Where the camera of the test above begins a ray with `dark` dark layers, seen along parallel beams whose
+ * samples `from` .. `to` - 1 were skipped. */
+static uint32_t first_behind(uint32_t from, uint32_t to, uint32_t dark) {
+    const sv_wall_settings s = sv_wall_settings_default();
+    const sv_wall_layout beams = sv_wall_grid_layout(&s);
+    const double mm[3] = {1.0, 1.0, 1.0};
+    const sv_beams ahead = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const size_t plane = (size_t)beams.columns * beams.rows;
+    model m;
+    sv_wall_grid grid;
+    make(&m, 10, 10, 10, NULL);
+    fill(&m, m.blocks.relative, 5, dark, 10, TISSUE);
+    assert_true(sv_wall_grid_of(&m.layout, &beams, mm, &ahead, &s, &grid));
+    sv_wall_told told = {.grid = &grid, .layout = &beams, .near_field = unit_memory(plane * beams.layers)};
+    /* the camera's ten layers are the ten samples in the middle of a beam */
+    for (size_t k = from; k < to; k++) memset(told.near_field + (beams.layers / 2 - 5 + k) * plane, 1, plane);
+    assert_true(sv_wall_skip_told_field(&told, &m.layout, &m.blocks));
+    return m.blocks.first[2 * 5];
+}
+
+/* However deep it is, a ray goes on from there; not into fluid that no beam skipped, and not through a ray
+ * without tissue. */
+static void a_camera_skips_what_the_beams_skip(void **state) {
+    assert_int_equal(first_behind(0, 2, 2), 2);
+    assert_int_equal(first_behind(0, 6, 6), 6);
+    assert_int_equal(first_behind(0, 6, 1), 1);
+    assert_int_equal(first_behind(0, 2, 5), 2);
+    assert_int_equal(first_behind(3, 5, 5), 0);
+    assert_int_equal(first_behind(0, 10, 10), 0);
+    assert_int_equal(first_behind(0, 0, 2), 0);
 }
 
 /* All of a limb is judged like a later run: in the camera's first run, its skin, and where the wall encloses
@@ -223,4 +269,5 @@ static void what_floats_is_judged_like_a_later_run(void **state) {
 UNIT_MAIN(NULL, NULL, a_valley_parts_a_limb_from_the_wall, a_valley_is_as_wide_as_a_block, a_limb_is_thin,
           skin_and_tissue_without_fluid_are_not_parted, the_fetus_begins_where_its_run_does,
           a_limb_floats_that_one_side_reaches, the_side_of_the_scan_reaches, a_limb_has_fluid_on_both_sides,
-          a_limb_is_thin_along_its_beam, cells_near_a_limb_float, what_floats_is_judged_like_a_later_run)
+          a_limb_is_thin_along_its_beam, cells_near_a_limb_float, the_near_field_is_what_beams_skip,
+          a_camera_skips_what_the_beams_skip, what_floats_is_judged_like_a_later_run)
