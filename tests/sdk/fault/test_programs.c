@@ -163,6 +163,12 @@ static void what_is_no_file(void **state) {
     (void)file_in(folder, NULL); /* nothing else was left */
 }
 
+static volatile sig_atomic_t signals;
+
+static void count_signal(int number) {
+    signals++;
+}
+
 /* Beyond this limit a signal would come, which ends a process. */
 static void nothing_can_be_written(void **state) {
     const char *folder = begin("limit");
@@ -172,9 +178,12 @@ static void nothing_can_be_written(void **state) {
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &was), 0);
     small = was;
     small.rlim_cur = 100;
+    void (*before)(int) = signal(SIGXFSZ, count_signal);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
     sva_kept_write(&k, "key", 3, text, sizeof text);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &was), 0);
+    (void)signal(SIGXFSZ, before);
+    assert_int_equal(signals, 0);
     assert_non_null(strstr(k.why, "cannot be written: File too large"));
     sva_kept_close(&k);
     assert_int_equal(rmdir(folder), 0); /* nothing is in it */
