@@ -5,6 +5,7 @@
  * that crashes costs a call, and every mistake is named.
  */
 #include "door/smartvis_host.h"
+#include "support/door_calls.h"
 #include "support/files.h"
 #include "support/result_files.h"
 #include "support/unit.h"
@@ -14,18 +15,6 @@
 static const char *build, *scan;
 static svh_host *host;
 static svh_error told = {.size = sizeof told};
-
-#define door_must(call)                                                                                      \
-    do {                                                                                                     \
-        if ((call) != SVH_OK) fail_msg("%s: %s", #call, told.text);                                          \
-    } while (0)
-
-#define door_must_not(call, expected, words)                                                                 \
-    do {                                                                                                     \
-        if ((call) != (expected)) fail_msg("%s is not %d", #call, (int)(expected));                          \
-        assert_int_equal(told.code, expected);                                                               \
-        if (!strstr(told.text, words)) fail_msg("'%s' does not say '%s'", told.text, words);                 \
-    } while (0)
 
 static int set_up(void **state) {
     build = getenv("SV_BUILD_DIR");
@@ -171,6 +160,10 @@ static void adjusts_and_activates_anew(void **state) {
     door_must(svh_set(clipper, "method=mean", &told));
     result = clip(clipper, volume, NULL, NULL);
     assert_true(result.clips && !result.confidence && result.knows_points && !result.knows_fluid);
+    const float *mean = keep_depth(&result);
+    door_must(svh_set(clipper, "method=minimum", &told));
+    result = clip(clipper, volume, NULL, NULL);
+    assert_memory_not_equal(mean, result.depth, 4 * rays_of(&result));
     svh_reset(clipper);
     result = clip(clipper, volume, NULL, NULL);
     assert_memory_equal(result.depth, plain, 4 * rays_of(&result));
