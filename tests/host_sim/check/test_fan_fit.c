@@ -154,6 +154,8 @@ static void a_fit_is_kept(void **state) {
     memset(v.voxels, 0, (size_t)v.nx * v.ny * (v.nz / 2));
     assert_true(hs_volume_find_beams(&v, &fits));
     assert_false(hs_volume_find_beams(&v, &fits));
+    v.probe = v.probe == HS_PROBE_LOW_Y ? HS_PROBE_HIGH_Y : HS_PROBE_LOW_Y; /* that alone */
+    assert_true(hs_volume_find_beams(&v, &fits));
     hs_fits_free(&fits);
     hs_volume_free(&v);
     hs_volume_free(&copy);
