@@ -10,7 +10,9 @@ from conftest import host_sim, layers
 from makers import meta
 
 import smartvis
+from smartvis._errors import FileError
 from smartvis._files import Source
+from smartvis._geometry import check_kinds
 from smartvis.cli import main
 
 TURN = "TransformMatrix = 0 1 0 0 -1 0 0 0 0 0 1 0 0 0 0 1"
@@ -71,3 +73,13 @@ def test_what_is_cut_out_of_a_sequence_is_read(tmp_path: Path, scan: np.ndarray)
     assert source.count == 1 and source.knows_patient
     assert np.array_equal(sitk.GetArrayFromImage(image), sitk.GetArrayFromImage(part))
     assert smartvis.clip(image).spacing_known
+
+
+def test_which_axis_of_a_nrrd_may_be_time() -> None:
+    """ITK takes a list of values at each voxel for it, too; 3D Slicer writes sequences so."""
+    path = Path("scan.nrrd")
+    for kinds, over_time in [("list domain domain domain", True), ("domain domain domain", False)]:
+        assert check_kinds(path, {"kinds": kinds}) is over_time
+    for kinds, axis in [("time domain domain domain", 1), ("domain list domain domain", 2)]:
+        with pytest.raises(FileError, match=f"axis {axis} is time, expected the last one"):
+            check_kinds(path, {"kinds": kinds})
