@@ -147,7 +147,7 @@ test-intel: # the frames of `make test` on Intel's OpenCL for CPUs, from PyPI: a
 	@rm -rf $(INTEL_CACHE)
 	@XDG_CACHE_HOME=$(INTEL_CACHE) POCL_CACHE_DIR=$(CURDIR)/build/pocl_cache bash tests/sdk/check/second_runtime.sh build build/intel/intel.icd
 	@XDG_CACHE_HOME=$(INTEL_CACHE) OCL_ICD_VENDORS=$(CURDIR)/build/intel/intel.icd ctest --test-dir build --output-on-failure -R '$(INTEL_TESTS)'
-	@XDG_CACHE_HOME=$(INTEL_CACHE) OCL_ICD_VENDORS=$(CURDIR)/build/intel/intel.icd build/sv_validate --level 1 build/smartvis.so
+	@XDG_CACHE_HOME=$(INTEL_CACHE) OCL_ICD_VENDORS=$(CURDIR)/build/intel/intel.icd build/sv_validate --level 1 --timeout 300 build/smartvis.so
 
 test-runtimes: # the same on PoCL 6 and 7 and Mesa's rusticl, from newer Debian suites: out/runtimes (needs namespaces)
 	@$(SETUP) $(PACKAGES)
