@@ -20,13 +20,6 @@ static size_t flag_place(const sv_wall_layout *l, uint z, uint row, uint x) {
 }
 #endif
 
-/* Planes of a word for each layer of a plane of beams. */
-#define LIMBS_TISSUE 0
-#define LIMBS_SOURCE 1 /* wall, and what was not scanned */
-#define LIMBS        2 /* tissue between fluid; later, what of it floats */
-#define LIMBS_ABOVE  3 /* reached from above */
-#define LIMBS_NEAR   4 /* the near field that was skipped */
-
 /* A limb is at most so many times `full_distance` thick along its beam. */
 #define LIMBS_THICK 2
 
@@ -76,10 +69,10 @@ __kernel void wall_between(sv_wall_layout l, __global const uint *restrict info,
     const uint row = (uint)get_global_id(0);
     /* A mask: LLVM 21, of PoCL 7.1, compiles a loop for each case, and one of them does not end. */
     const ulong wanted = info[SV_WALL_INFO_OUTCOME] != SV_WALL_EMPTY ? ~0UL : 0;
-    __global ulong *const tissue = limbs + limb_column(&l, LIMBS_TISSUE, row);
-    __global ulong *const source = limbs + limb_column(&l, LIMBS_SOURCE, row);
-    __global ulong *const between = limbs + limb_column(&l, LIMBS, row);
-    __global ulong *const near = limbs + limb_column(&l, LIMBS_NEAR, row);
+    __global ulong *const tissue = limbs + limb_column(&l, SV_WALL_LIMBS_TISSUE, row);
+    __global ulong *const source = limbs + limb_column(&l, SV_WALL_LIMBS_SOURCE, row);
+    __global ulong *const between = limbs + limb_column(&l, SV_WALL_LIMBS_FLOAT, row);
+    __global ulong *const near = limbs + limb_column(&l, SV_WALL_LIMBS_NEAR, row);
     ulong wall = ~0UL, behind = 0;
     for (uint z = 0; z < l.layers; z++) {
         const bits_t b = bits_of(&l, grey, relative, rays, z, row);
@@ -117,10 +110,10 @@ static ulong reached_down(ulong from, ulong tissue) {
 __kernel void wall_floating(sv_wall_layout l, __global ulong *restrict limbs) {
     const uint z = (uint)get_global_id(0);
     const size_t pitch = limb_column(&l, 0, 1);
-    __global const ulong *tissue = limbs + limb_column(&l, LIMBS_TISSUE, 0) + z;
-    __global const ulong *source = limbs + limb_column(&l, LIMBS_SOURCE, 0) + z;
-    __global ulong *floats = limbs + limb_column(&l, LIMBS, 0) + z;
-    __global ulong *above = limbs + limb_column(&l, LIMBS_ABOVE, 0) + z;
+    __global const ulong *tissue = limbs + limb_column(&l, SV_WALL_LIMBS_TISSUE, 0) + z;
+    __global const ulong *source = limbs + limb_column(&l, SV_WALL_LIMBS_SOURCE, 0) + z;
+    __global ulong *floats = limbs + limb_column(&l, SV_WALL_LIMBS_FLOAT, 0) + z;
+    __global ulong *above = limbs + limb_column(&l, SV_WALL_LIMBS_ABOVE, 0) + z;
     ulong reached = ~0UL;
     for (size_t at = 0; at < l.rows * pitch; at += pitch)
         above[at] = reached = source[at] | (tissue[at] & reached);

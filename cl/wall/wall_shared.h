@@ -70,6 +70,14 @@
 #define SV_WALL_VECTOR_BITS   24 /* and of blocks a millimetre */
 #define SV_WALL_LINES         64 /* lines of a plane of beams, for kernels: bits of a word */
 
+/* Planes of what is known of limbs, each a word of lines for each layer of a plane of beams. */
+#define SV_WALL_LIMBS_TISSUE 0
+#define SV_WALL_LIMBS_SOURCE 1 /* wall, and what was not scanned */
+#define SV_WALL_LIMBS_FLOAT  2 /* tissue between fluid; later, what of it floats */
+#define SV_WALL_LIMBS_ABOVE  3 /* reached from above */
+#define SV_WALL_LIMBS_NEAR   4 /* the near field that was skipped */
+#define SV_WALL_LIMBS_PLANES 5
+
 /* Words of what is known of the frame. */
 #define SV_WALL_INFO_OUTCOME       0
 #define SV_WALL_INFO_THRESHOLD     1

@@ -10,7 +10,7 @@
 
 #include <stdlib.h>
 
-enum { RAY_PLANES = 5, LIMB_PLANES = 5, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
+enum { RAY_PLANES = 5, SURFACE_PLANES = 8, HISTOGRAM_WORDS = 258 };
 
 /* True if a work item has a ray: the strategy has been resolved by the device's type. */
 static bool by_items(const sv_map *m) {
@@ -107,7 +107,7 @@ static sv_status buffers(const sv_map *m, sv_method_state *s) {
     bytes[SV_WALL_CONFIDENCE] = (size_t)m->width * m->height * sizeof(cl_float);
     find_bytes(m, &own->beams, bytes + SV_WALL_BEAMS);
     bytes[SV_WALL_BEAMS + SV_WALL_LIMBS] =
-        (size_t)LIMB_PLANES * own->beams.layers * own->beams.rows * sizeof(cl_ulong);
+        (size_t)SV_WALL_LIMBS_PLANES * own->beams.layers * own->beams.rows * sizeof(cl_ulong);
     return sv_buffers_make(m->queue, bytes, SV_WALL_ALL_BUFFERS, s->buffer);
 }
 
@@ -174,10 +174,7 @@ static sv_status ask_beams(const sv_map *m, sv_method_state *s, const sv_wall_gr
     return along_beams(m, s, grid, work_of(m)->verdict + 1);
 }
 
-/* Planes of SV_WALL_LIMBS (cl/wall/wall_limbs.cl). */
-enum { LIMBS = 2, LIMBS_NEAR = 4 };
-
-/* Marks the camera's cells at the samples of such a plane. */
+/* Marks the camera's cells at the samples of a plane of SV_WALL_LIMBS. */
 static sv_status mark_cells(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid, uint32_t plane) {
     const sv_wall_work *work = work_of(m);
     const sv_wall_own *const own = sv_wall_own_of(s);
@@ -201,7 +198,7 @@ static sv_status skip_near(const sv_map *m, sv_method_state *s, const sv_wall_gr
     sv_launch_uint(&l, (uint32_t)words);
     sv_launch_buffer(&l, s->buffer[SV_WALL_FLAGS]);
     sv_status status = sv_launch_items(&l, camera->cells[1], SV_STAGE_THRESHOLD);
-    if (status == SV_OK) status = mark_cells(m, s, grid, LIMBS_NEAR);
+    if (status == SV_OK) status = mark_cells(m, s, grid, SV_WALL_LIMBS_NEAR);
     if (status != SV_OK) return status;
     l = sv_launch_begin(m->queue, s->kernels.kernel[work->skip], work->kernels[work->skip]);
     sv_launch_arg(&l, sizeof *camera, camera);
@@ -229,7 +226,7 @@ static sv_status find(const sv_map *m, sv_method_state *s, const sv_frame_contex
     status = sv_wall_launch_all(m, s, work, work->gathered, work->near, false, NULL);
     if (status == SV_OK && told) status = skip_near(m, s, &grid);
     if (status == SV_OK) status = sv_wall_launch_all(m, s, work, work->near, work->surrounded, false, NULL);
-    if (status == SV_OK && told) status = mark_cells(m, s, &grid, LIMBS);
+    if (status == SV_OK && told) status = mark_cells(m, s, &grid, SV_WALL_LIMBS_FLOAT);
     if (status != SV_OK) return status;
     return sv_wall_launch_all(m, s, work, work->surrounded, work->first_at_q, false, NULL);
 }
