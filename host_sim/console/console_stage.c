@@ -66,8 +66,11 @@ static bool open_source(hs_console_stage *stage, const hs_console_source *wanted
     if (wanted->scene[0] != '\0') return hs_source_open_scene(out, &scene, err);
     if (!hs_console_files_find(stage->files, wanted->folder, wanted->path, path, 1024, err)) return false;
     const char *const paths[1] = {path};
-    const hs_source_files how = {.metaimage = stage->read};
-    return hs_source_open_files(out, paths, 1, hs_kretz_is_file(path) ? NULL : &how, err);
+    const char *const folder = stage->files->folder[wanted->folder];
+    hs_source_files how = {.kretz = {.folder = folder}};
+    if (!hs_kretz_is_file(path)) how.metaimage = stage->read;
+    how.metaimage.folder = folder;
+    return hs_source_open_files(out, paths, 1, &how, err);
 }
 
 /* The one before stays until the new one is there; so does its path, which a source borrows. */

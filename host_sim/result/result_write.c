@@ -44,7 +44,7 @@ static bool open_file(hs_result_voxels *v, uint32_t index) {
     const hs_volume *like = hs_source_shape(v->source);
     hs_met_voxels_close(v->file);
     v->frame = 0;
-    v->file = hs_met_voxels_open(path, v->err);
+    v->file = hs_met_voxels_open(path, NULL, v->err);
     if (!v->file) return false;
     hs_met_voxels_allow_gaps(v->file);
     const hs_met_header *h = hs_met_voxels_header(v->file);

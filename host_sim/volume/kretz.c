@@ -49,7 +49,7 @@ hs_kretz *hs_kretz_open(const char *path, const hs_kretz_options *options, hs_er
     }
     strcpy(kretz->path, path);
     if (options) kretz->options = *options;
-    if (hs_kretz_items_open(&kretz->items, kretz->path, err) &&
+    if (hs_kretz_items_open(&kretz->items, kretz->path, kretz->options.folder, err) &&
         hs_kretz_header_read(&kretz->items, &kretz->header, err)) {
         kretz->header.beams.mirrored = kretz->options.mirrored;
         return kretz;

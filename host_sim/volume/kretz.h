@@ -10,6 +10,7 @@ typedef struct {
     bool mirrored;      /* positive sweep angles lie at +y; else at -y (hs_beams) */
     double spacing;     /* mm: voxels of the Cartesian copy; 0: as hs_beams_cartesian_init chooses */
     hs_padding padding; /* of a Cartesian file; one in probe geometry says itself what was scanned */
+    const char *folder; /* the file lies in it or below, wherever links lead; NULL: anywhere */
 } hs_kretz_options;
 
 typedef struct hs_kretz hs_kretz;

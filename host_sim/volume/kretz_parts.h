@@ -36,10 +36,10 @@ bool hs_kretz_is_dicom(const uint8_t *head, size_t bytes);
 /*
  * Opens a file that begins with the magic, or a DICOM file of implicit or explicit little endian that holds
  * one such stream in its private group 7FE1. HS_ERR_INPUT names file, element and value: no stream or two of
- * them, another transfer syntax, an element that does not fit in the file, more than 65536 elements. Any
- * thread.
+ * them, another transfer syntax, an element that does not fit in the file, more than 65536 elements, or,
+ * unless `folder` is NULL, a file that lies elsewhere. Any thread.
  */
-bool hs_kretz_items_open(hs_kretz_items *items, const char *path, hs_error *err);
+bool hs_kretz_items_open(hs_kretz_items *items, const char *path, const char *folder, hs_error *err);
 
 /* The next item. At the end of the stream, which is the item (FFFF,FFFF) or the end of the file, *more is
  * false. HS_ERR_INPUT: an item whose header or payload does not fit in the stream, numbers of the other byte

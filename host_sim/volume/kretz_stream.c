@@ -185,9 +185,9 @@ static bool find_stream(hs_kretz_items *items, hs_error *err) {
                    HS_KRETZ_MAGIC_BYTES);
 }
 
-bool hs_kretz_items_open(hs_kretz_items *items, const char *path, hs_error *err) {
+bool hs_kretz_items_open(hs_kretz_items *items, const char *path, const char *folder, hs_error *err) {
     *items = (hs_kretz_items){.path = path, .at = HS_KRETZ_MAGIC_BYTES};
-    items->file = hs_input_open(path, path, &items->end, err);
+    items->file = hs_input_open_within((hs_input_bounds){NULL, folder}, path, path, &items->end, err);
     if (!items->file) return false;
     if (find_stream(items, err)) return true;
     hs_kretz_items_close(items);

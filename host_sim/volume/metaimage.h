@@ -60,6 +60,7 @@ typedef struct {
     double spacing[3];
     const char *scanned[2]; /* MetaImage files of a map each: first scanned slice, first one behind the scan
                                (hs_scanned_maps_load). Range and padding are theirs then. NULL: none */
+    const char *folder;     /* header and data lie in it or below, wherever links lead; NULL: anywhere */
 } hs_metaimage_options;
 
 /*

@@ -321,10 +321,10 @@ static bool check_apex(const hs_met_text *text, hs_met_header *h) {
                             "three numbers (mm from the corner), beside UltrasoundImageOrientation");
 }
 
-bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err) {
+bool hs_met_header_read(const char *path, const char *folder, hs_met_header *header, hs_error *err) {
     hs_met_text text;
     memset(header, 0, sizeof *header);
-    bool ok = hs_met_text_read(&text, path, err);
+    bool ok = hs_met_text_read(&text, path, folder, err);
     header->local_start = text.bytes;
     ok = ok && check_dims(&text, header) && check_unit(&text, header) && check_spacing(&text, header) &&
          check_type(&text, header) && check_encoding(&text, header) && check_data_file(&text, header) &&

@@ -8,7 +8,7 @@
 #include <string.h>
 
 bool hs_metaimage_read_map(const char *path, uint32_t nx, uint32_t ny, double *values, hs_error *err) {
-    hs_met_voxels *voxels = hs_met_voxels_open(path, err);
+    hs_met_voxels *voxels = hs_met_voxels_open(path, NULL, err);
     if (!voxels) return false;
     const hs_met_header *h = hs_met_voxels_header(voxels);
     const size_t count = (size_t)nx * ny;

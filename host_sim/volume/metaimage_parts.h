@@ -59,8 +59,9 @@ typedef struct {
     uint64_t bytes; /* of the text, the line of ElementDataFile included */
 } hs_met_text;
 
-/* Reads the text of `path`, up to 16 MB of it. Errors as in hs_metaimage_read. Free it either way. */
-bool hs_met_text_read(hs_met_text *text, const char *path, hs_error *err);
+/* Reads the text of `path`, up to 16 MB of it, which must lie in `folder`, unless that is NULL. Errors as in
+ * hs_metaimage_read. Free it either way. */
+bool hs_met_text_read(hs_met_text *text, const char *path, const char *folder, hs_error *err);
 void hs_met_text_free(hs_met_text *text);
 
 /* True if the field is there. */
@@ -140,17 +141,16 @@ typedef struct {
     unsigned dim_line, compressed_size_line, header_size_line, data_line;
 } hs_met_header;
 
-/* Reads and checks the header of `path`. Errors as in hs_metaimage_read. `fields` is the caller's either way.
- */
-bool hs_met_header_read(const char *path, hs_met_header *header, hs_error *err);
+/* Reads and checks the header of `path`, as hs_met_text_read does. `fields` is the caller's either way. */
+bool hs_met_header_read(const char *path, const char *folder, hs_met_header *header, hs_error *err);
 
 enum { HS_MET_CHUNK = 8192 }; /* voxels that are read at once, at most */
 
 typedef struct hs_met_voxels hs_met_voxels;
 
-/* Opens the file and checks all that can be checked before a voxel is read; `path` must outlive it. NULL on
- * failure. */
-hs_met_voxels *hs_met_voxels_open(const char *path, hs_error *err);
+/* Opens the file and checks all that can be checked before a voxel is read; `path` must outlive it. With a
+ * `folder` header and data must lie in it. NULL on failure. */
+hs_met_voxels *hs_met_voxels_open(const char *path, const char *folder, hs_error *err);
 void hs_met_voxels_close(hs_met_voxels *voxels); /* NULL is allowed */
 
 /* From now on NaN and -inf are values, too: of what was not scanned. */

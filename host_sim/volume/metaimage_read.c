@@ -233,7 +233,7 @@ static bool check_window(const char *path, const hs_metaimage_options *o, hs_err
 }
 
 static bool start(hs_metaimage *m) {
-    m->voxels = hs_met_voxels_open(m->path, m->err);
+    m->voxels = hs_met_voxels_open(m->path, m->options.folder, m->err);
     if (!m->voxels) return false;
     m->header = hs_met_voxels_header(m->voxels);
     hs_met_voxels_allow_gaps(m->voxels);

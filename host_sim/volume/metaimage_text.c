@@ -336,7 +336,7 @@ static bool read_bytes(hs_met_text *t, FILE *file, size_t *bytes) {
     return true;
 }
 
-bool hs_met_text_read(hs_met_text *text, const char *path, hs_error *err) {
+bool hs_met_text_read(hs_met_text *text, const char *path, const char *folder, hs_error *err) {
     *text = (hs_met_text){.path = path, .err = err};
     uint64_t file_bytes = 0;
     size_t bytes = 0;
@@ -344,7 +344,7 @@ bool hs_met_text_read(hs_met_text *text, const char *path, hs_error *err) {
         return hs_fail(err, HS_ERR_INPUT,
                        "%s: is a folder; 'smartvis clip' of the Python package reads one with a DICOM series",
                        path);
-    FILE *file = hs_input_open(path, path, &file_bytes, err);
+    FILE *file = hs_input_open_within((hs_input_bounds){NULL, folder}, path, path, &file_bytes, err);
     if (!file) return false;
     const bool ok = read_bytes(text, file, &bytes) && !is_foreign(path, text->text, bytes, err) &&
                     split_lines(text, bytes);

@@ -69,7 +69,7 @@ static bool check_compressed_size(hs_met_voxels *d, uint64_t file_bytes, hs_erro
 }
 
 /* Opens the data file and checks its size against the header, before any voxel is allocated. */
-static bool open_data(hs_met_voxels *d, hs_error *err) {
+static bool open_data(hs_met_voxels *d, const char *folder, hs_error *err) {
     const hs_met_header *h = &d->header;
     /* At most 2^31 voxels of 4 channels of 8 bytes in 10^5 volumes: no overflow. */
     d->voxel_bytes =
@@ -77,7 +77,8 @@ static bool open_data(hs_met_voxels *d, hs_error *err) {
     char context[1024];
     (void)snprintf(context, sizeof context, "%s:%u: ElementDataFile '%s'", DATA_ARGS(d));
     uint64_t file_bytes = 0;
-    d->file = hs_input_open_below(h->local ? NULL : d->path, h->data_path, context, &file_bytes, err);
+    const hs_input_bounds bounds = {.header = h->local ? NULL : d->path, .folder = folder};
+    d->file = hs_input_open_within(bounds, h->data_path, context, &file_bytes, err);
     if (!d->file || !(h->compressed ? check_compressed_size : check_plain_size)(d, file_bytes, err))
         return false;
     d->left = d->bytes;
@@ -230,11 +231,11 @@ void hs_met_decode(hs_met_type type, const uint8_t *raw, size_t count, double *v
     }
 }
 
-hs_met_voxels *hs_met_voxels_open(const char *path, hs_error *err) {
+hs_met_voxels *hs_met_voxels_open(const char *path, const char *folder, hs_error *err) {
     hs_met_voxels *v = hs_memory(1, sizeof *v, path, err);
     if (!v) return NULL;
     v->path = path;
-    if (hs_met_header_read(path, &v->header, err) && open_data(v, err)) return v;
+    if (hs_met_header_read(path, folder, &v->header, err) && open_data(v, folder, err)) return v;
     hs_met_voxels_close(v);
     return NULL;
 }

@@ -148,6 +148,9 @@ static void round_trip(uint32_t count, double axis, int descending) {
         assert_true(hs_kretz_write_volume(&writer, voxels[n], &err));
     }
     if (!hs_kretz_write_commit(&writer, &err)) fail_msg("%s", err.text);
+    const hs_kretz_options elsewhere = {.folder = "/usr"};
+    assert_null(hs_kretz_open(files_path("trip.vol"), &elsewhere, &err));
+    unit_told(err, HS_ERR_INPUT, "it lies outside of the folder that was opened");
     hs_kretz *kretz = hs_kretz_open(files_path("trip.vol"), NULL, &err);
     if (!kretz) fail_msg("%s", err.text);
     assert_int_equal(hs_kretz_count(kretz), count);

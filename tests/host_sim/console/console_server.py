@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 from console_client import Console, Page, holds, until
@@ -205,6 +206,38 @@ def states_that_cannot_be_shown(page, work):
         holds(good["type"] == "frame", f"after {changes} the page shows nothing: {good}")
 
 
+def write_cube(path, size):
+    with open(path, "wb") as out:
+        out.write(f"NDims = 3\nElementSpacing = 1 1 1\nDimSize = {size} {size} {size}\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n".encode())
+        out.write(bytes(range(1, 201)) * (size**3 // 200))
+
+
+def a_name_that_flips(page, work):
+    """A file becomes a link to one outside and a file again, while it is opened: what lies outside is never shown."""
+    given, there, ends = os.path.join(work, "given"), os.path.join(work, "given", "flips.mha"), threading.Event()
+    write_cube(os.path.join(given, "still.mha"), 20)
+    write_cube(there, 20)
+    write_cube(os.path.join(work, "secret.mha"), 40)
+
+    def flip():
+        while not ends.is_set():
+            os.symlink("../secret.mha", there + "~")
+            os.replace(there + "~", there)
+            os.link(os.path.join(given, "still.mha"), there + "~")
+            os.replace(there + "~", there)
+
+    flipping = threading.Thread(target=flip)
+    flipping.start()
+    try:
+        for _ in range(40):
+            still = page.show(source={"folder": 0, "path": "still.mha", "from": "probe"})
+            said = page.show(source={"folder": 0, "path": "flips.mha", "from": "probe"})
+            holds(said["type"] == "refused" or said["source"]["slabs"] == still["source"]["slabs"], f"what lies outside is shown: {said}")
+    finally:
+        ends.set()
+        flipping.join()
+
+
 def let_in(console, what):
     """A page; those that have just closed may still hold its place."""
     pages = []
@@ -353,6 +386,7 @@ def one_console(work):
             pictures_name_their_state(page)
             messages_that_are_refused(page)
             states_that_cannot_be_shown(page, work)
+            a_name_that_flips(page, work)
             the_newest_state_wins(page)
             what_may_be_dropped(console)
             frames_that_are_wrong(console, page)

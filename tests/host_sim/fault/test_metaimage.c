@@ -196,6 +196,34 @@ static void data_files(void **state) {
     assert_int_equal(close(file) | unlink(outside), 0);
 }
 
+/* Where a folder is given, header and data lie in it, wherever their names lead. */
+static void only_in_a_folder(void **state) {
+    (void)state;
+    assert_int_equal(mkdir(files_path("held"), 0700), 0);
+    write_with("held/in.mha", "NDims = 3\n", 48);
+    write_with("away.mha", "NDims = 3\n", 48);
+    assert_int_equal(symlink("../away.mha", files_path("held/out.mha")), 0);
+    assert_int_equal(symlink("in.mha", files_path("held/link.mha")), 0);
+    assert_int_equal(symlink("held/in.mha", files_path("into.mha")), 0);
+    const char *const folder = unit_text("%s", files_path("held"));
+    const hs_metaimage_options within = {.folder = folder};
+    (void)files_read("held/in.mha", &within);
+    (void)files_read("held/link.mha", &within);
+    (void)files_read("into.mha", &within);
+    const char *const refused[] = {"held/out.mha", "away.mha"};
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        hs_error err = {0};
+        hs_volume volume;
+        (void)files_read(refused[i], NULL);
+        assert_false(hs_metaimage_read(files_path(refused[i]), &within, &volume, &err));
+        unit_told(err, HS_ERR_INPUT, "it lies outside of the folder that was opened");
+    }
+    static const char *const names[] = {"held/in.mha", "held/out.mha", "held/link.mha"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        assert_int_equal(unlink(files_path(names[i])), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 /* Values that would leave a scan two grey levels are refused, unless a window says what is meant. */
 static void values(void **state) {
     static const char real[] = "NDims = 3\nDimSize = 4 3 2\nElementType = MET_DOUBLE\n" LAST;
@@ -368,6 +396,7 @@ static int setup(void **state) {
 }
 
 UNIT_MAIN(setup, files_teardown, both_sides_of_every_rule, no_field_is_there_twice, long_headers, data_files,
-          values, compressed, every_truncation_is_refused, every_damaged_byte_of_compressed_data_is_noticed,
-          compressed_streams_must_fit_the_header, what_is_no_metaimage_is_refused,
-          skipped_values_stay_out_of_messages, messages_stay_one_printable_line)
+          only_in_a_folder, values, compressed, every_truncation_is_refused,
+          every_damaged_byte_of_compressed_data_is_noticed, compressed_streams_must_fit_the_header,
+          what_is_no_metaimage_is_refused, skipped_values_stay_out_of_messages,
+          messages_stay_one_printable_line)
