@@ -167,12 +167,6 @@ __kernel void wall_mark_limbs(sv_wall_layout l, sv_wall_grid g, uint plane_of_wo
         if (limbs[k] >> line & 1) mark_sample(&l, &g, &b, k, flags);
 }
 
-/* One work item per row of cells of a camera: no cell is marked. `words`: of a row. */
-__kernel void wall_clear_marks(sv_wall_layout l, uint words, __global uint *restrict flags) {
-    flags += (size_t)get_global_id(0) * words;
-    for (uint i = 0; i < words; i++) flags[i] = 0;
-}
-
 /* One work item per ray of a camera: one that begins with dark blocks in marked cells begins behind them. */
 __kernel void wall_skip_near(sv_wall_layout l, __global const uint *restrict info,
                              __global const uchar *restrict relative, __global const uchar *restrict flags,

@@ -52,7 +52,7 @@ typedef struct {
 } sv_program;
 
 /* The kernels of a program of its own, by their place in its list of names. */
-#define SV_MAX_METHOD_KERNELS 37
+#define SV_MAX_METHOD_KERNELS 36
 typedef struct {
     cl_kernel kernel[SV_MAX_METHOD_KERNELS];
 } sv_kernel_set;

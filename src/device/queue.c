@@ -18,16 +18,20 @@ static cl_mem create(const sv_queue *queue, cl_mem_flags flags, size_t bytes, vo
     return NULL;
 }
 
+sv_status sv_buffer_clear(const sv_queue *queue, cl_mem buffer, size_t bytes) {
+    const cl_uchar zero = 0;
+    return sva_cl_check(queue->diag,
+                        clEnqueueFillBuffer(queue->device->queue, buffer, &zero, 1, 0, bytes, 0, NULL, NULL),
+                        "clEnqueueFillBuffer");
+}
+
 cl_mem sv_buffer_make(const sv_queue *queue, size_t bytes, sv_status *status) {
     if (*status != SV_OK) return NULL;
     if (bytes == 0) bytes = 1;
     if (queue->tally) return count(queue->tally, bytes);
     const cl_mem buffer = create(queue, CL_MEM_READ_WRITE, bytes, NULL, status);
     if (!buffer) return NULL;
-    const cl_uchar zero = 0;
-    *status = sva_cl_check(
-        queue->diag, clEnqueueFillBuffer(queue->device->queue, buffer, &zero, 1, 0, bytes, 0, NULL, NULL),
-        "clEnqueueFillBuffer");
+    *status = sv_buffer_clear(queue, buffer, bytes);
     return buffer;
 }
 

@@ -25,6 +25,9 @@ typedef struct {
  * *status. It does nothing if *status is not SV_OK. */
 cl_mem sv_buffer_make(const sv_queue *queue, size_t bytes, sv_status *status);
 
+/* Enqueues zeros for `bytes` bytes. */
+sv_status sv_buffer_clear(const sv_queue *queue, cl_mem buffer, size_t bytes);
+
 /* Makes `count` buffers of bytes[i] bytes. Returns the first error; the others are NULL then. */
 sv_status sv_buffers_make(const sv_queue *queue, const size_t *bytes, size_t count, cl_mem *buffers);
 

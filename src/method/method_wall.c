@@ -192,15 +192,10 @@ static sv_status mark_cells(const sv_map *m, sv_method_state *s, const sv_wall_g
 static sv_status skip_near(const sv_map *m, sv_method_state *s, const sv_wall_grid *grid) {
     const sv_wall_work *work = work_of(m);
     const sv_wall_layout *const camera = &sv_wall_own_of(s)->camera;
-    const size_t words = sv_wall_flags_bytes(camera) / sizeof(cl_uint) / camera->cells[1];
-    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[work->clear], work->kernels[work->clear]);
-    sv_launch_arg(&l, sizeof *camera, camera);
-    sv_launch_uint(&l, (uint32_t)words);
-    sv_launch_buffer(&l, s->buffer[SV_WALL_FLAGS]);
-    sv_status status = sv_launch_items(&l, camera->cells[1], SV_STAGE_THRESHOLD);
+    sv_status status = sv_buffer_clear(m->queue, s->buffer[SV_WALL_FLAGS], sv_wall_flags_bytes(camera));
     if (status == SV_OK) status = mark_cells(m, s, grid, SV_WALL_LIMBS_NEAR);
     if (status != SV_OK) return status;
-    l = sv_launch_begin(m->queue, s->kernels.kernel[work->skip], work->kernels[work->skip]);
+    sv_launch l = sv_launch_begin(m->queue, s->kernels.kernel[work->skip], work->kernels[work->skip]);
     sv_launch_arg(&l, sizeof *camera, camera);
     static const int buffers_taken[] = {SV_WALL_INFO, SV_WALL_RELATIVE, SV_WALL_FLAGS, SV_WALL_RAYS};
     for (size_t i = 0; i < sizeof buffers_taken / sizeof *buffers_taken; i++)

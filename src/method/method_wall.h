@@ -86,9 +86,9 @@ typedef struct {
     sv_status (*slabs)(const sv_map *map, sv_method_state *state, const sv_placed_slabs *from);
     /* Makes the blocks of a grid along the beams, in place of the first launches. */
     sv_status (*gather)(const sv_map *map, sv_method_state *state, const sv_wall_grid *grid);
-    /* The kernels that clear a camera's marks of cells, mark those at samples of the beams, and let rays
-     * begin behind a near field that is marked. */
-    int clear, mark, skip;
+    /* The kernels that mark a camera's cells at samples of the beams, and let rays begin behind a near field
+     * that is marked. */
+    int mark, skip;
     const sv_wall_launch *launches; /* what follows the slabs, in this order */
     uint32_t count, first_at_q;     /* their number; the first one that depends on q */
     uint32_t

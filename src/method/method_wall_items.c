@@ -24,7 +24,6 @@
     KERNEL(SURROUNDINGS, "wall_items_surroundings") \
     KERNEL(BETWEEN, "wall_between") \
     KERNEL(FLOATING, "wall_floating") \
-    KERNEL(CLEAR_MARKS, "wall_clear_marks") \
     KERNEL(MARK_LIMBS, "wall_mark_limbs") \
     KERNEL(SKIP_NEAR, "wall_skip_near") \
     KERNEL(COSTS, "wall_items_costs") \
@@ -160,7 +159,6 @@ enum { COUNT = sizeof launches / sizeof *launches };
 const sv_wall_work sv_wall_items = {.kernels = sv_wall_items_kernels,
                                     .slabs = slabs,
                                     .gather = gather,
-                                    .clear = K_CLEAR_MARKS,
                                     .mark = K_MARK_LIMBS,
                                     .skip = K_SKIP_NEAR,
                                     .launches = launches,

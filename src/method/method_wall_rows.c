@@ -19,7 +19,6 @@
     KERNEL(SURROUNDINGS, "wall_surroundings") \
     KERNEL(BETWEEN, "wall_between") \
     KERNEL(FLOATING, "wall_floating") \
-    KERNEL(CLEAR_MARKS, "wall_clear_marks") \
     KERNEL(MARK_LIMBS, "wall_mark_limbs") \
     KERNEL(SKIP_NEAR, "wall_skip_near") \
     KERNEL(COSTS, "wall_costs") \
@@ -135,7 +134,6 @@ enum { COUNT = sizeof launches / sizeof *launches };
 const sv_wall_work sv_wall_rows = {.kernels = sv_wall_rows_kernels,
                                    .slabs = slabs,
                                    .gather = gather,
-                                   .clear = K_CLEAR_MARKS,
                                    .mark = K_MARK_LIMBS,
                                    .skip = K_SKIP_NEAR,
                                    .launches = launches,
