@@ -214,8 +214,8 @@ def with_flow(path: Path, voxels: np.ndarray) -> None:
 
 
 def by_offset(path: Path, times: Sequence[np.ndarray], dice: np.random.Generator) -> None:
-    """Volumes whose frames lie in any order, and say their time in seconds alone, as the standard wants it of Enhanced US
-    Volumes (PS3.3 C.7.6.16.2.6)."""
+    """Volumes whose frames lie in any order and say their time in seconds alone, as the standard wants it of Enhanced
+    US Volumes."""
     import pydicom
 
     enhanced(path, times[0], times=len(times))
