@@ -119,6 +119,9 @@ holds says ' 1 frames, 6 calls'
 holds code 3 replay "$work/hostile/wrong/one_row.svr" --out "$work/files"
 holds says 'rays are not nearly'
 rm "$work/hostile/wrong/one_row.svr" # is played
+holds code 3 bounded "$work/hostile/wrong/many_rays.svr" --show "$work/page_many" --seconds 0.1
+holds says 'has been shown for 0\.[0-9] s: --seconds allows more$'
+holds grep -q 'class=bad.*has been shown for' "$work/page_many/index.html"
 for file in "$work"/hostile/wrong/*.svr; do
     holds code 3 bounded "$file" --plugin "$build/examples/first_edge.so"
     holds says "^sv_replay: (.*${file##*/}: (byte [0-9]+: this part cannot be|has been played for)|activate: .* voxels in rows of)"
