@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """How the console starts and ends: its command line, a page that comes early, and its last page."""
 
+import glob
 import os
 import signal
 import socket
@@ -9,7 +10,7 @@ import sys
 import tempfile
 import time
 
-from console_client import Console, Page, holds
+from console_client import Console, Page, holds, until
 
 BUILD = sys.argv[1]
 NIGHT = "SV_NIGHT" in os.environ
@@ -117,21 +118,25 @@ def copies_go():
 
 def a_slow_sender():
     """Who sends a byte now and then has the one place until another page wants it, half a minute later at the earliest."""
-    console = Console(BUILD, PLUGINS)
-    try:
-        with dropped(console, "slow.mha", b"x", 10 ** 6) as slow:
-            began = time.monotonic()
-            said = drop(console, "early.mha")
-            holds(said.startswith(b"HTTP/1.1 413") or time.monotonic() - began > 25, f"two files at a time: {said}")
-            while time.monotonic() - began < 31:
-                slow.sendall(b"x")
-                time.sleep(1)
-            said = drop(console, "next.mha")
-            holds(said.startswith(b"HTTP/1.1 200"), f"the next file is not taken: {said}")
-        console.interrupt()
-        holds(console.wait(60) == 0, "it does not end")
-    finally:
-        console.end()
+    with tempfile.TemporaryDirectory() as work:
+        os.environ["TMPDIR"] = work
+        console = Console(BUILD, PLUGINS)
+        try:
+            with dropped(console, "slow.mha", b"x", 10 ** 6) as slow:
+                began = time.monotonic()
+                until(lambda: glob.glob(os.path.join(work, "*", "*")), 60, "the slow sender's place")
+                said = drop(console, "early.mha")
+                holds(said.startswith(b"HTTP/1.1 413") or time.monotonic() - began > 25, f"two files at a time: {said}")
+                while time.monotonic() - began < 31:
+                    slow.sendall(b"x")
+                    time.sleep(1)
+                said = drop(console, "next.mha")
+                holds(said.startswith(b"HTTP/1.1 200"), f"the next file is not taken: {said}")
+            console.interrupt()
+            holds(console.wait(60) == 0, "it does not end")
+        finally:
+            console.end()
+            del os.environ["TMPDIR"]
 
 
 def as_the_first_process():
