@@ -150,11 +150,12 @@ static void where_the_probe_is(void **state) {
 /* A still volume continues, and is the same one unless it is scanned live; a sequence continues until it
  * starts again; a camera that turns does where the plugin is told the pose. */
 static void what_continues(void **state) {
-    static fixture f; /* what is given back at the end refers to it */
+    static fixture f; /* what is given back at the end refers to these */
+    static hs_volume scanned;
+    static const hs_volume *volumes[] = {&scanned, &scanned};
     f = *(const fixture *)*state;
     enum { STILL, SEQUENCE, ORBIT, ORBIT_TOLD, LIVE, KINDS };
-    hs_volume scanned = f.layers;
-    const hs_volume *volumes[] = {&scanned, &scanned};
+    scanned = f.layers;
     f.source.volumes = volumes;
     for (uint32_t kind = 0; kind < KINDS; kind++) {
         hs_plugin *plugin = open_plugin("recorder");
