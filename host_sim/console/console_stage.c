@@ -66,10 +66,9 @@ static bool open_source(hs_console_stage *stage, const hs_console_source *wanted
     if (wanted->scene[0] != '\0') return hs_source_open_scene(out, &scene, err);
     if (!hs_console_files_find(stage->files, wanted->folder, wanted->path, path, 1024, err)) return false;
     const char *const paths[1] = {path};
-    const char *const folder = stage->files->folder[wanted->folder];
-    hs_source_files how = {.kretz = {.folder = folder}};
+    hs_source_files how = {0};
     if (!hs_kretz_is_file(path)) how.metaimage = stage->read;
-    how.metaimage.folder = folder;
+    how.metaimage.folder = stage->files->folder[wanted->folder];
     return hs_source_open_files(out, paths, 1, &how, err);
 }
 

@@ -35,6 +35,7 @@ static bool file_open(sequence_file *file, const char *path, const hs_source_fil
     if (hs_kretz_is_file(path)) {
         hs_kretz_options options = how->kretz;
         options.padding = how->metaimage.padding;
+        options.folder = how->metaimage.folder;
         file->kretz = check_kretz(path, how, err) ? hs_kretz_open(path, &options, err) : NULL;
         return file->kretz != NULL;
     }

@@ -8,7 +8,7 @@
 /* How files are read: MetaImage and Kretz. Zeros are the defaults. */
 typedef struct {
     hs_metaimage_options metaimage;
-    hs_kretz_options kretz; /* its padding is not read: metaimage.padding holds for both */
+    hs_kretz_options kretz; /* its padding and folder are not read: metaimage's hold for both */
 } hs_source_files;
 
 /* Where a volume was read from. */
