@@ -13,8 +13,6 @@
 #include <math.h>
 
 static const char *build, *scan;
-static svh_host *host;
-static svh_error told = {.size = sizeof told};
 
 static int set_up(void **state) {
     build = getenv("SV_BUILD_DIR");
@@ -27,21 +25,6 @@ static int set_up(void **state) {
 static int tear_down(void **state) {
     svh_close(host);
     return files_teardown(state);
-}
-
-static void free_clipper(void *clipper) {
-    svh_clipper_free(clipper);
-}
-
-static void free_volume(void *volume) {
-    svh_volume_free(volume);
-}
-
-static svh_clipper *clipper_of(const char *path) {
-    svh_clipper *clipper;
-    door_must(svh_clipper_open(host, path, NULL, &clipper, &told));
-    unit_keep(free_clipper, clipper);
-    return clipper;
 }
 
 static svh_volume *read_scan(void) {

@@ -12,8 +12,6 @@
 #include <math.h>
 
 static const char *build;
-static svh_host *host;
-static svh_error told = {.size = sizeof told};
 static uint8_t bytes[8 * 8 * 8];
 
 static svh_host *open_host(void) {
@@ -34,21 +32,6 @@ static int tear_down(void **state) {
     (void)state;
     svh_close(host);
     return 0;
-}
-
-static void free_clipper(void *clipper) {
-    svh_clipper_free(clipper);
-}
-
-static void free_volume(void *volume) {
-    svh_volume_free(volume);
-}
-
-static svh_clipper *clipper_of(const char *path) {
-    svh_clipper *clipper;
-    door_must(svh_clipper_open(host, path, NULL, &clipper, &told));
-    unit_keep(free_clipper, clipper);
-    return clipper;
 }
 
 /* A cube, scanned from below. */
