@@ -1,7 +1,20 @@
 # SPDX-License-Identifier: MIT
-# Sourced behind holds.sh by tests that change headers in $folder, one way at a time, and ask `guard FOLDER` whether that is an addition:
-# every fourth change by day, all with SV_NIGHT. What it says is in $work/said.
+# Sourced by tests of scripts/check_abi.sh, $promise: its option, if any, and $folder with the headers. As they are it finds nothing in
+# them. Then the test changes them in one way each, and asks whether that is an addition: every fourth change by day, all with SV_NIGHT.
+# What it says is in $work/said.
+# shellcheck source=tests/support/holds.sh
+. "$source_dir/tests/support/holds.sh"
 change=0
+guard() { bash "$source_dir/scripts/check_abi.sh" ${promise:+"$promise"} "$@" > "$work/said" 2>&1; }
+
+guard
+code=$?
+if [ $code = 3 ]; then
+    cat "$work/said"
+    exit 77
+fi
+holds test $code = 0
+holds test ! -s "$work/said"
 
 # change HEADER PERL: a fresh copy of the headers in $folder, changed; the change must change something.
 change() {

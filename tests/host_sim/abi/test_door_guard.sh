@@ -7,19 +7,7 @@
 # Requirement: R16.
 set -u
 source_dir=$1 build_dir=$2
-# shellcheck source=tests/support/holds.sh
-. "$source_dir/tests/support/holds.sh"
-guard() { bash "$source_dir/scripts/check_abi.sh" --door "$@" > "$work/said" 2>&1; }
-
-guard
-code=$?
-if [ $code = 3 ]; then
-    cat "$work/said"
-    exit 77
-fi
-holds test $code = 0
-holds test ! -s "$work/said"
-folder=$source_dir/host_sim/door
+promise=--door folder=$source_dir/host_sim/door
 # shellcheck source=tests/support/changes.sh
 . "$source_dir/tests/support/changes.sh"
 h=smartvis_host.h
