@@ -153,7 +153,7 @@ static void mark_sample(const sv_wall_layout *l, const sv_wall_grid *g, const be
 
 /* One work item per beam, for a camera, `l`: marks the cells where its samples are set in `plane_of_words`.
  */
-__kernel void wall_mark_limbs(sv_wall_layout l, sv_wall_grid g, uint plane_of_words,
+__kernel void wall_mark_cells(sv_wall_layout l, sv_wall_grid g, uint plane_of_words,
                               __global const uint *restrict tables, __global const ulong *restrict limbs,
                               __global uint *restrict flags) {
     const uint line = (uint)get_global_id(0), plane = (uint)get_global_id(1);

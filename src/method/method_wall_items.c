@@ -24,7 +24,7 @@
     KERNEL(SURROUNDINGS, "wall_items_surroundings") \
     KERNEL(BETWEEN, "wall_between") \
     KERNEL(FLOATING, "wall_floating") \
-    KERNEL(MARK_LIMBS, "wall_mark_limbs") \
+    KERNEL(MARK_CELLS, "wall_mark_cells") \
     KERNEL(SKIP_NEAR, "wall_skip_near") \
     KERNEL(COSTS, "wall_items_costs") \
     KERNEL(CELLS, "wall_items_cells") \
@@ -159,7 +159,7 @@ enum { COUNT = sizeof launches / sizeof *launches };
 const sv_wall_work sv_wall_items = {.kernels = sv_wall_items_kernels,
                                     .slabs = slabs,
                                     .gather = gather,
-                                    .mark = K_MARK_LIMBS,
+                                    .mark = K_MARK_CELLS,
                                     .skip = K_SKIP_NEAR,
                                     .launches = launches,
                                     .count = COUNT,

@@ -19,7 +19,7 @@
     KERNEL(SURROUNDINGS, "wall_surroundings") \
     KERNEL(BETWEEN, "wall_between") \
     KERNEL(FLOATING, "wall_floating") \
-    KERNEL(MARK_LIMBS, "wall_mark_limbs") \
+    KERNEL(MARK_CELLS, "wall_mark_cells") \
     KERNEL(SKIP_NEAR, "wall_skip_near") \
     KERNEL(COSTS, "wall_costs") \
     KERNEL(DECIDE, "wall_decide") \
@@ -134,7 +134,7 @@ enum { COUNT = sizeof launches / sizeof *launches };
 const sv_wall_work sv_wall_rows = {.kernels = sv_wall_rows_kernels,
                                    .slabs = slabs,
                                    .gather = gather,
-                                   .mark = K_MARK_LIMBS,
+                                   .mark = K_MARK_CELLS,
                                    .skip = K_SKIP_NEAR,
                                    .launches = launches,
                                    .count = COUNT,
