@@ -83,15 +83,6 @@ class Camera:
         grid.view.n[:] = self.shape[::-1]
         return levels, grid
 
-    def from_volume(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Matrix and offset from voxel indices (x, y, z) of the volume to those of the camera."""
-        count, own = np.array(self.shape[::-1], float), np.array(self.spacing)
-        matrix = self.rotation * np.array(self.source_spacing)[None, :] * count[:, None] / (own * count)[:, None]
-        offset = _middle(self.shape)
-        for axis in range(3):
-            offset = offset - matrix[:, axis] * 0.5 * (self.source_shape[2 - axis] - 1.0)
-        return matrix, offset
-
     def to_volume_mm(self, index: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where indices (x, y, z) of the camera's grid lie in the volume, in mm from the centre of its first
         voxel."""

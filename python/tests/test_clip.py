@@ -120,7 +120,10 @@ def test_a_turned_camera_sees_what_lies_there() -> None:
 
     volume = layers((40, 36, 32))
     camera = smartvis.look(volume.shape, (1, 1.5, 2), (0.3, -0.2, 1))
-    matrix, offset = camera.from_volume()
+    # From voxel indices (x, y, z) of the volume to those of the camera: both grids have one middle.
+    matrix = camera.rotation * np.array(camera.source_spacing) / np.array(camera.spacing)[:, None]
+    middle, own = ((np.array(shape[::-1]) - 1.0) / 2.0 for shape in (volume.shape, camera.shape))
+    offset = own - matrix @ middle
     back = np.linalg.inv(matrix)
     theirs = affine_transform(volume, back[::-1, ::-1], (-back @ offset)[::-1], camera.shape, order=1)
     inside = affine_transform(np.ones(volume.shape), back[::-1, ::-1], (-back @ offset)[::-1], camera.shape, order=1)
