@@ -193,7 +193,7 @@ def plot(rows: list[Row], path: str) -> None:
 
 def main() -> None:
     parse = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parse.add_argument("--quick", action="store_true", help="9 variants, 10 frames, 0.3 seconds")
+    parse.add_argument("--quick", action="store_true", help="fewer variants, 10 frames, 0.3 seconds")
     parse.add_argument("--size", type=int, action="append", choices=SIZES, help="maps of N x N pixels only")
     parse.add_argument("--no-truth", action="store_true", help="without the scenes")
     add_outputs(parse)
