@@ -86,8 +86,8 @@ def in_other_words(path: Path, fields: dict[str, str]) -> tuple[float, ...]:
 
 
 def _between_limits(fields: dict[str, str]) -> list[float]:
-    names = ("axismins", "axismaxs", "sizes", "centerings")
-    least, most, sizes, centres = (fields.get(name, "").split() for name in names)
+    least, most, sizes = (fields.get(name, "").split() for name in ("axismins", "axismaxs", "sizes"))
+    centres = fields.get("centers", fields.get("centerings", "")).split()  # the definition has both names
     fewer = {"cell": 0, "node": 1}
     if not len(least) == len(most) == len(sizes) == len(centres) == 3 or not fewer.keys() >= set(centres):
         return []

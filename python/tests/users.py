@@ -124,6 +124,9 @@ RIGHT |= {
     "limits.nrrd": lambda path, v: nrrd(
         path, v, "axis mins: 0 0 0", "axis maxs: 120 118.75 120", "centerings: cell node cell"
     ),
+    "centers.nrrd": lambda path, v: nrrd(  # the format's own name of this field (Teem 1.9); ITK 5.4 knows both
+        path, v, "axis mins: 0 0 0", "axis maxs: 120 118.75 120", "centers: cell node cell"
+    ),
     "aspect.vtk": lambda path, v: reworded(path, v, "SPACING", "ASPECT_RATIO"),
 }
 SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
