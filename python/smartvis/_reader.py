@@ -48,6 +48,7 @@ class Reader:
         self._dicom: list[_dicom.Volume] = []
         self._scale = 1.0  # mm of the file's unit
         self._fields: dict[str, str] = {}
+        self._notes: dict[str, str] = {}  # what others wrote beside the format's own fields
         self._nifti: _nifti.Header | None = None
         self.count = 1
         try:
@@ -75,7 +76,7 @@ class Reader:
             self.count = len(self._dicom)
             return
         _content.check(self.path)
-        self._fields = _header(self.path)
+        self._fields, self._notes = _header(self.path)
         self._nifti = _nifti.header(self.path) if _content.is_nifti(self.path) else None
         self._check_scan()
         if _content.is_tiff(self.path):
@@ -105,7 +106,7 @@ class Reader:
     def _check_scan(self) -> None:
         """FileError for what was made of a scan, and says so."""
         what = "a label map" if self._nifti and self._nifti.is_labels else ""
-        what = "a segmentation of 3D Slicer" if "segment0_id" in self._fields else what
+        what = "a segmentation of 3D Slicer" if "segment0_id" in self._notes else what
         if what:
             raise FileError(f"{self.path}: it is no scan, but made of one ({what})")
         if self._nifti and not self._nifti.begins >= _nifti.FIRST:
@@ -227,7 +228,7 @@ class Reader:
     def read(self, number: int = 0) -> Any:
         """Volume `number` as a SimpleITK image of 3 dimensions with one value a voxel."""
         status = f"seq_frame{number:04d}_imagestatus"
-        if self._reader is not None and self._fields.get(status, "").upper() == "INVALID":
+        if self._reader is not None and self._notes.get(status, "").upper() == "INVALID":
             raise FileError(f"{self.path}: ImageStatus of volume {number} is INVALID")
         try:
             image = self._read_any(number)
@@ -349,26 +350,31 @@ def _of_host(path: Path, error: HostError) -> FileError | DeviceError:
     return kind(str(error).removeprefix("host_sim info: "))
 
 
-def _header(path: Path) -> dict[str, str]:
-    """The fields of a NRRD or MetaImage header, names in lower case without spaces. FileError: a NRRD's data is not in
-    its folder or below it, wherever links lead."""
+def _header(path: Path) -> tuple[dict[str, str], dict[str, str]]:
+    """The fields of a NRRD or MetaImage header and its notes, names in lower case without spaces. A NRRD's notes stand
+    behind ":=", whatever their names; MetaImage does not part the two. FileError: a NRRD's data is not in its folder or
+    below it, wherever links lead."""
     fields: dict[str, str] = {}
+    notes: dict[str, str] = {}
     with open(path, "rb") as file:
         is_nrrd = file.read(4) == b"NRRD"
         file.seek(0)
         while (is_nrrd or path.suffix.lower() in (".mha", ".mhd")) and file.tell() < _HEADER:
             line = file.readline(_HEADER)
-            found = re.match(rb"([^:=]+)[:=]\s*(.*)", line.strip())
+            found = re.match(rb"([^:=]+)(:=|[:=])\s*(.*)", line.strip())
             name = found[1].decode("ascii", "replace").replace(" ", "").lower() if found else ""
-            if found:
-                fields[name] = os.fsdecode(found[2])
+            if found and is_nrrd and found[2] == b":=":
+                notes[name] = os.fsdecode(found[3])
+                name = ""
+            elif found:
+                fields[name] = os.fsdecode(found[3])
             if name == "elementdatafile" or (is_nrrd and name == "datafile") or not (line.strip() if is_nrrd else line):
                 break
         if is_nrrd and "datafile" in fields:
             listed = fields["datafile"].split()[:1] == ["LIST"]
             rest = file.read(_HEADER).splitlines() if listed else []
             _stay_below(path, [os.fsdecode(name) for name in rest] or [fields["datafile"]])
-    return fields
+    return fields, notes if is_nrrd else fields
 
 
 def _stay_below(header: Path, names: Sequence[str]) -> None:

@@ -34,8 +34,9 @@ def meta(data: bytes = VOXELS, extra: str = "", **fields: object) -> bytes:
     return f"ObjectType = Image\nNDims = {dims}\n{extra}{text}ElementDataFile = {last}\n".encode() + data
 
 
-def nrrd(last: str) -> bytes:
-    return f"NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 16 16 16\nencoding: raw\n{last}\n\n".encode()
+def nrrd(last: str, sizes: str = "16 16 16") -> bytes:
+    head = f"NRRD0004\ntype: unsigned char\ndimension: {len(sizes.split())}\nsizes: {sizes}\nencoding: raw\n"
+    return f"{head}{last}\n\n".encode()
 
 
 def nifti(tmp_path: Path, at: int = 0, *put: Any) -> bytes:
@@ -58,6 +59,10 @@ HOSTILE = {
     "offset.mha": (meta(extra="Offset = nan 0 0\n"), "Offset is 'nan 0 0'"),
     "header.mha": (meta(extra="HeaderSize = 999999\n"), "0 bytes of data, expected 4096"),
     "invalid.mha": (meta(VOXELS * 2, STATES, **SEQUENCE), "ImageStatus of volume 1 is INVALID"),
+    "invalid.nrrd": (
+        nrrd("kinds: domain domain domain list" + STATES.replace(" = ", ":=").rstrip(), "16 16 16 2") + VOXELS * 2,
+        "ImageStatus of volume 1 is INVALID",
+    ),
     "flood.mha": (meta(NDims=4, DimSize="16 16 16 100000"), "expected 409600000"),
     "far.mha": (meta(np.array([-1.7e308, 1.7e308] * 2048).tobytes(), ElementType="MET_DOUBLE"), "give a window"),
     "above.mhd": (meta(b"", ElementDataFile="../outside"), "'../outside', expected a file in the header's folder"),

@@ -127,6 +127,9 @@ RIGHT |= {
     "centers.nrrd": lambda path, v: nrrd(  # the format's own name of this field (Teem 1.9); ITK 5.4 knows both
         path, v, "axis mins: 0 0 0", "axis maxs: 120 118.75 120", "centers: cell node cell"
     ),
+    "notes.nrrd": lambda path, v: nrrd(  # behind ":=" anybody writes anything
+        path, v, "spacings: 1.25 1.25 2.5", 'space units:="cm" "cm" "cm"', "DistanceUnits:=cm", "space:=time"
+    ),
     "aspect.vtk": lambda path, v: reworded(path, v, "SPACING", "ASPECT_RATIO"),
 }
 SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
