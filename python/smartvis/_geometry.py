@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from . import _nifti
+from . import _images, _nifti
 from ._errors import FileError
 
 _UNITS = {"mm": 1.0, "millimeter": 1.0, "millimetre": 1.0, "cm": 10.0, "centimeter": 10.0, "m": 1e3, "meter": 1e3}
@@ -31,10 +31,10 @@ def _millimetres(path: Path, unit: str) -> float:
     raise FileError(f"{path}: its lengths are in '{unit}', expected one of {', '.join(_UNITS)}")
 
 
-def unit(path: Path, fields: dict[str, str]) -> float:
-    """mm of a NRRD's unit of space, or a MetaImage's. ITK takes it for 1."""
+def unit(path: Path, fields: dict[str, str], notes: dict[str, str]) -> float:
+    """mm of a NRRD's unit of space, or a MetaImage's. ITK takes it for 1, and notes the second in what it writes."""
     given = re.findall(r'"([^"]*)"', fields.get("spaceunits", fields.get("units", "")))
-    given = given or [fields.get("distanceunits", "")]
+    given = given or [fields.get("distanceunits", notes.get(_images.UNIT.lower(), ""))]
     units = {_millimetres(path, unit) for unit in given[:3] if unit.strip("? ")}
     if len(units) > 1:
         raise FileError(f"{path}: its axes have different units, {', '.join(given)}")

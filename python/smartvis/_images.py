@@ -52,6 +52,9 @@ UNPLACED = "SmartVis: not the axes of a patient"  #: what results say there of s
 TOLD = "smartvis_told"  #: what is to be told of an image's file, in sentences
 
 
+UNIT = "ITK_VoxelUnits"  #: ITK's note of a MetaImage's DistanceUnits, in which spacing and origin stay
+
+
 KRETZ = "smartvis_kretz"  #: of Cartesian copies: the Kretz file, the volume's number and whether it is mirrored
 
 
@@ -104,6 +107,13 @@ def kretz(image: Any) -> tuple[str, int, bool] | None:
 def says_spacing(image: Any) -> bool:
     """False if the file that it was read from does not say how far apart voxels are; it has 1 mm then."""
     return not image.HasMetaDataKey(NOT_SAID)
+
+
+def check_unit(image: Any) -> None:
+    """ValueError: its lengths are not in mm, as SimpleITK's own reader leaves them."""
+    unit = image.GetMetaData(UNIT) if image.HasMetaDataKey(UNIT) else "mm"
+    if unit not in ("mm", "?"):
+        raise ValueError(f"{UNIT} of the image is '{unit}', expected mm: give the name of its file, which is scaled")
 
 
 class _Voxels:

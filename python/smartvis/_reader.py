@@ -84,7 +84,7 @@ class Reader:
         _geometry.check_marks(self.path, self._fields)
         self._ask_host()
         over_time = _geometry.check_kinds(self.path, self._fields)
-        self._scale = _geometry.unit(self.path, self._fields)
+        self._scale = _geometry.unit(self.path, self._fields, self._notes)
         self._patched = _geometry.patched(self.path, self._fields)
         reader = self._reader = sitk.ImageFileReader()
         reader.SetFileName(self._patched.name if self._patched else str(self.path))

@@ -40,6 +40,7 @@ def given(volume: Any) -> Given:
 
         volume = Source(volume).only()
     if _images.is_image(volume):
+        _images.check_unit(volume)
         spacing = volume.GetSpacing() if _images.says_spacing(volume) else None
         what = (spacing, volume.GetDirection(), _images.kretz(volume), _images.said(volume))
         return Given(volume, _images.array(volume), None, *what)

@@ -2,6 +2,7 @@
 """clip() and Result: where the surface lies, what is kept, any camera, and what is said of bad input."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,6 +45,17 @@ def test_arrays_of_x_y_z_are_asked_about_and_their_images_refused(volume: np.nda
         smartvis.clip(Nifti1Image(volume.T))
     with pytest.raises(ValueError, match="itk's Image, expected an image of SimpleITK"):
         smartvis.clip(Image())
+
+
+def test_an_image_in_cm_is_refused_and_its_file_is_scaled(tmp_path: Path, volume: np.ndarray) -> None:
+    """ITK 5.4 leaves the lengths of a MetaImage in its DistanceUnits, and notes the unit."""
+    path = tmp_path / "cm.mha"
+    lines = "NDims = 3\nDistanceUnits = cm\nElementSpacing = 0.08 0.08 0.05\nElementType = MET_UCHAR\n"
+    size = " ".join(map(str, volume.shape[::-1]))
+    path.write_bytes(f"{lines}DimSize = {size}\nElementDataFile = LOCAL\n".encode() + volume.tobytes())
+    with pytest.raises(ValueError, match="ITK_VoxelUnits of the image is 'cm', expected mm"):
+        smartvis.clip(sitk.ReadImage(str(path)))
+    assert np.array_equal(smartvis.clip(path).depth_mm, smartvis.clip(volume, (0.8, 0.8, 0.5)).depth_mm)
 
 
 def test_apply_mask_and_millimetres(volume: np.ndarray) -> None:

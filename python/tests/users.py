@@ -130,6 +130,14 @@ RIGHT |= {
     "notes.nrrd": lambda path, v: nrrd(  # behind ":=" anybody writes anything
         path, v, "spacings: 1.25 1.25 2.5", 'space units:="cm" "cm" "cm"', "DistanceUnits:=cm", "space:=time"
     ),
+    "noted.nrrd": lambda path, v: nrrd(  # as SimpleITK 2.5 writes a MetaImage of DistanceUnits = cm
+        path,
+        v,
+        "space: left-posterior-superior",
+        "space directions: (.125,0,0) (0,.125,0) (0,0,.25)",
+        "ITK_InputFilterName:=MetaImageIO",
+        "ITK_VoxelUnits:=cm",
+    ),
     "aspect.vtk": lambda path, v: reworded(path, v, "SPACING", "ASPECT_RATIO"),
 }
 SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
