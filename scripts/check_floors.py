@@ -62,7 +62,7 @@ sdk/layer | abi base/core sdk/rules sdk/record . | libc opencl
 sdk/record | abi base/core sdk/rules . | libc opencl zlib
 sdk/replay | abi base/core base/guard base/plugin base/opencl base/guarded sdk/rules sdk/record . | libc opencl drawing
 sdk/validate/spy/*_pe.c | . | libc windows
-sdk/validate/spy | . | libc opencl elf
+sdk/validate/spy | base/core . | libc opencl elf
 sdk/rules | abi . | libc
 sdk/stage | abi base/core . | libc opencl
 sdk/validate/drive/process_windows.c | sdk/validate/spy . | libc windows

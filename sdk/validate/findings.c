@@ -43,7 +43,7 @@ static const char *colour_of(v_verdict verdict) {
 /* What to do about it. A call that does not come back says nothing of the rule that was tried. */
 static const char *mend(const v_finding *f) {
     return f->verdict == V_TIMEOUT
-               ? "Look for a loop or a wait in that call whose end these values or voxels put off."
+               ? "Look for a loop or a wait in that call or kernel whose end these values or voxels put off."
                : f->check->rule->mend;
 }
 

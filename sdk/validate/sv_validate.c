@@ -28,7 +28,7 @@
 /* Less than a machine has, more than a compiler needs. */
 #define MEMORY_BYTES (1536ull << 20)
 #define PATIENCE     5.0
-/* Of that time for a check, what a call of a frame may take once frames are known to come. */
+/* Of that time for a check, what a kernel may take, and a call of a frame that compiles nothing. */
 #define FRAME_SHARE (1.0 / 6.0)
 
 /* The text of a finding quotes the plugin: a terminal must not obey it. */
@@ -63,6 +63,7 @@ static void perform(const v_options *options, job *j) {
         v_memory_end();
         v_where(&run, "the end of the check");
     }
+    spy_tell_kernels(NULL, NULL);
     j->report.finished = true;
 }
 
@@ -80,12 +81,14 @@ static job *map_job(intptr_t shared) {
 
 /* ---- in the validator */
 static void report_accident(const hs_child_end *end, const v_report *report, v_finding *out) {
-    char how[100], where[sizeof report->where + sizeof report->values + sizeof report->line + 64];
+    char how[100], where[sizeof *report];
+    const bool runs = atomic_load(&report->kernel.since_ns) > 0;
     const int line = (int)strnlen(report->line, sizeof report->line);
     const int values = (int)strnlen(report->values, sizeof report->values);
     hs_child_tell(end, how, sizeof how);
-    (void)snprintf(where, sizeof where, "%.*s%s%.*s%s%.*s%s", (int)sizeof report->where,
-                   report->where[0] ? report->where : "the check itself",
+    (void)snprintf(where, sizeof where, "%.*s%s%.*s%s%.*s%s%.*s%s", (int)sizeof report->where,
+                   report->where[0] ? report->where : "the check itself", runs ? "; running: kernel " : "",
+                   runs ? (int)sizeof report->kernel.name : 0, report->kernel.name,
                    values ? "; values of the frame: " : "", values, report->values,
                    line ? "; last line of its log: \"" : "", line, report->line, line ? "\"" : "");
     out->verdict = end->fate == HS_CHILD_LATE ? V_TIMEOUT : V_CRASH;
@@ -94,7 +97,7 @@ static void report_accident(const hs_child_end *end, const v_report *report, v_f
               where);
 }
 
-/* A call of a frame that is under way, in what it may take and has taken longer. */
+/* A call of a frame or a kernel under way, in what it may take and has taken longer. */
 typedef struct {
     const v_report *report;
     double allowed;
@@ -102,20 +105,21 @@ typedef struct {
 
 static double is_late(const void *watch) {
     const frame_watch *w = watch;
-    const uint64_t since_ns = atomic_load(&w->report->since_ns);
-    return since_ns > 0 && hs_now() - (double)since_ns * 1e-9 > w->allowed ? w->allowed : 0.0;
+    const uint64_t call = atomic_load(&w->report->warm) ? atomic_load(&w->report->since_ns) : 0;
+    const uint64_t kernel = atomic_load(&w->report->kernel.since_ns);
+    const double least = hs_now() - w->allowed;
+    const bool late = (call && (double)call * 1e-9 < least) || (kernel && (double)kernel * 1e-9 < least);
+    return late ? w->allowed : 0.0;
 }
 
 static bool run_in_child(const v_options *options, intptr_t shared, const job *j, v_finding *out,
                          hs_error *err) {
     const hs_child_limits limits = {.memory_bytes = MEMORY_BYTES,
                                     .output = options->verbose ? HS_CHILD_SHOWN : HS_CHILD_DISCARDED};
-    const bool late = out->check->needs && strcmp(out->check->needs, "first-frame") == 0;
     hs_child child;
     if (!hs_child_again(&child, &limits, &shared, 1, err)) return false;
     const frame_watch watch = {&j->report, options->timeout_s * FRAME_SHARE};
-    hs_child_wait_watched(&child, options->timeout_s * (late ? PATIENCE : 1.0), late ? is_late : NULL,
-                          &watch);
+    hs_child_wait_watched(&child, options->timeout_s * (j->report.warm ? PATIENCE : 1.0), is_late, &watch);
     if (!j->report.finished) report_accident(&child.end, &j->report, out);
     hs_child_close(&child);
     return true;
@@ -141,6 +145,7 @@ static bool v_run_check(const v_options *options, const v_check *check, bool wat
     job *j = map_job(shared);
     if (!j) return hs_fail(err, HS_ERR_MEMORY, "no memory for a check's report");
     *j = (job){.check = (size_t)(check - v_checks), .watched = watched};
+    j->report.warm = check->needs && strcmp(check->needs, "first-frame") == 0;
     if (options->in_process)
         perform(options, j);
     else
@@ -243,8 +248,8 @@ static const hs_option options[] = {
     HS_TAKEN("seed", "N", 0, take_seed, "of everything random; the same seed tries the same [0]"),
     HS_IN(COUNT, "level", "N", AT(run.level), 1, 10, "1 .. 10: how much is tried [5]"),
     HS_IN(NUMBER, "timeout", "S", AT(run.timeout_s), 0.1, 86400,
-          "seconds for a check up to first-frame; a later one has five times as many, and a sixth for a call "
-          "of a frame [60]"),
+          "seconds for a check up to first-frame; a later one has five times as many, and a sixth for a "
+          "kernel, and for a call of a frame that compiles nothing [60]"),
     HS_FLAG("json", AT(json), "one JSON object instead of lines"),
     HS_TEXT("junit", "FILE", AT(junit), "everything as JUnit's XML, too, for CI systems"),
     HS_FLAG("verbose", AT(run.verbose), "what the plugin logs and prints goes to standard error"),

@@ -23,12 +23,6 @@ static v_rig *open_watched(v_run *run) {
     return r;
 }
 
-static uint32_t all_calls(void) {
-    uint32_t calls = 0;
-    for (int kind = 0; kind < SPY_KINDS; kind++) calls += spy_count((spy_kind)kind);
-    return calls;
-}
-
 /* A frame and an adjust, with `look` after every call of the plugin. */
 static void frame_with(v_rig *r, void (*look)(v_rig *r, const char *call)) {
     const sv_plugin *p = r->s.plugin;
@@ -68,7 +62,7 @@ static void inspect_calls(v_rig *r, const char *call) {
 void check_frame_path_opencl(v_run *run) {
     v_rig *r = open_watched(run);
     const char *unknown = library_unknown_import(r->s.library);
-    const uint32_t calls = all_calls();
+    const uint32_t calls = spy_calls();
     frame_with(r, inspect_calls);
     frame_with(r, inspect_calls);
     if (calls == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
@@ -122,7 +116,7 @@ void check_needs(v_run *run) {
         v_where(run, "needs of %u x %u x %u", format.width, format.height, format.slices);
         const sv_status status = ext->of(p, &format, NULL, 0, &facts, &needs);
         V_EXPECT(run, status == SV_OK, "%s: %s: %s", run->report->where, v_status(status), p->last_error(p));
-        V_EXPECT(run, all_calls() == 0, "%s calls OpenCL", run->report->where);
+        V_EXPECT(run, spy_calls() == 0, "%s calls OpenCL", run->report->where);
         V_EXPECT(run, needs.device_bytes == taken, "%s: %llu bytes of buffers, activate takes %llu",
                  run->report->where, (unsigned long long)needs.device_bytes, (unsigned long long)taken);
         commands = 0;
@@ -135,7 +129,7 @@ void check_needs(v_run *run) {
 
 void check_first_launches(v_run *run) {
     v_rig *r = open_watched(run);
-    if (all_calls() == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
+    if (spy_calls() == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
     frame_with(r, inspect_launches);
 }
 
@@ -174,7 +168,7 @@ void check_opencl_balance(v_run *run) {
         V_EXPECT(run, way.own_queue || spy_count(SPY_RETAIN) == 0, "activate retains an OpenCL object: %s",
                  spy_first(SPY_RETAIN));
         (void)v_rig_frame(r, NULL, 0);
-        calls += all_calls();
+        calls += spy_calls();
         v_rig_drop(r);
         V_EXPECT(run, spy_live() == 0, "after deactivate %d OpenCL objects that the plugin made are %s",
                  (int)spy_live(),
@@ -240,7 +234,7 @@ void check_opencl_faults(v_run *run) {
     spy_reset();
     V_EXPECT(run, attempt(r, &map) >= 0, "activate or a frame fails: %s",
              r->s.plugin->last_error(r->s.plugin));
-    const uint32_t calls = all_calls() - spy_count(SPY_RELEASE);
+    const uint32_t calls = spy_calls() - spy_count(SPY_RELEASE);
     to_inactive(r);
     if (calls == 0) v_skip(run, "the plugin makes no OpenCL calls that the validator can see");
     const uint32_t turns = run->level >= 10 || 8 * run->level > calls ? calls : 8 * run->level;

@@ -6,6 +6,7 @@
 #include "rules/rules.h"
 #include "smartvis_plugin.h"
 #include "stage/stage.h"
+#include "validate/spy/cl_spy.h"
 
 #include <CL/cl.h>
 #include <pthread.h>
@@ -38,6 +39,8 @@ typedef struct {
     char where[200];           /* the call that is under way */
     char values[400];          /* of the frame that it belongs to: "q = 0.5, level = 0"; "" for no frame */
     _Atomic uint64_t since_ns; /* when it began, if it belongs to a frame; else 0 */
+    _Atomic bool warm;         /* no call of a frame compiles any more: each must come back soon */
+    spy_kernel kernel;         /* that runs, and must end soon at any time */
     char line[200];            /* the last that the plugin has logged */
 } v_report;
 

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "validate/spy/cl_spy.h"
 
+#include "core/progress.h"
 #include "validate/spy/library.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,6 +49,11 @@ void spy_reset(void) {
 
 uint32_t spy_count(spy_kind kind) {
     return spy.counts[kind];
+}
+uint32_t spy_calls(void) {
+    uint32_t calls = 0;
+    for (int kind = 0; kind < SPY_KINDS; kind++) calls += spy.counts[kind];
+    return calls;
 }
 const char *spy_first(spy_kind kind) {
     return spy.counts[kind] > 0 ? spy.first[kind] : "";
@@ -188,4 +195,51 @@ void spy_has_read(cl_command_queue q, void *to, size_t row_bytes, size_t rows, s
     for (size_t y = 0; y < rows; y++)
         for (size_t x = 0; x < row_bytes; x++) ((unsigned char *)to)[y * pitch + x] ^= 0x40;
     spy.spoiled = true;
+}
+
+/* ---- the kernel that runs */
+enum {
+    SPY_FOLLOWED = 64,
+    NAME_BYTES = sizeof(((spy_kernel *)NULL)->name)
+}; /* names of launches that have not begun; one that is older loses its own */
+static _Atomic(spy_kernel *) told;
+static char followed[SPY_FOLLOWED][NAME_BYTES];
+static atomic_uint followed_count;
+
+void spy_tell_kernels(const void *address, spy_kernel *out) {
+    if (address) library_redirect(address);
+    atomic_store(&told, out);
+}
+
+bool spy_wants_kernels(void) {
+    return atomic_load(&told) != NULL;
+}
+
+/* The runtime calls it when it likes: whether the kernel still runs is asked after it was told. */
+static void CL_CALLBACK begins(cl_event event, cl_int state, void *name) {
+    static __typeof__(&clGetEventInfo) info;
+    spy_kernel *out = atomic_load(&told);
+    if (!info) *(void **)(&info) = library_next("clGetEventInfo");
+    if (!out) return;
+    memcpy(out->name, name, sizeof out->name);
+    atomic_store(&out->since_ns, (uint64_t)(hs_now() * 1e9));
+    if (info(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL) != CL_SUCCESS ||
+        state <= CL_COMPLETE)
+        atomic_store(&out->since_ns, 0);
+}
+
+static void CL_CALLBACK ends(cl_event event, cl_int state, void *nothing) {
+    spy_kernel *out = atomic_load(&told);
+    (void)event, (void)state, (void)nothing;
+    if (out) atomic_store(&out->since_ns, 0);
+}
+
+void spy_follows(cl_kernel kernel, cl_event event) {
+    static __typeof__(&clSetEventCallback) call;
+    static __typeof__(&clGetKernelInfo) info;
+    char *name = followed[atomic_fetch_add(&followed_count, 1) % SPY_FOLLOWED];
+    if (!call) *(void **)(&call) = library_next("clSetEventCallback");
+    if (!info) *(void **)(&info) = library_next("clGetKernelInfo");
+    if (info(kernel, CL_KERNEL_FUNCTION_NAME, sizeof followed[0], name, NULL) != CL_SUCCESS) name[0] = '\0';
+    if (call(event, CL_RUNNING, begins, name) == CL_SUCCESS) (void)call(event, CL_COMPLETE, ends, NULL);
 }

@@ -32,6 +32,7 @@ void spy_watch(const void *address);
 void spy_reset(void);
 
 uint32_t spy_count(spy_kind kind);
+uint32_t spy_calls(void);             /* of all kinds */
 const char *spy_first(spy_kind kind); /* name of the first of these calls, "" if there was none */
 uint32_t spy_blocking(void);          /* reads, writes and maps that were told to block */
 const char *spy_first_blocking(void);
@@ -61,6 +62,16 @@ bool spy_spoiled(void);
 /* Bytes of the buffers that the library has made and not yet released, those around the host's memory left
  * out. */
 uint64_t spy_live_bytes(void);
+
+/* The kernel that runs. */
+typedef struct {
+    char name[64];
+    _Atomic uint64_t since_ns; /* by hs_now; 0: none runs */
+} spy_kernel;
+
+/* From now on every kernel that the library at `address` launches is told here, from when it runs, which is
+ * after its runtime has compiled it. NULL: nowhere. On any thread; where some run at once, one of them. */
+void spy_tell_kernels(const void *address, spy_kernel *out);
 
 /* What the library hears of the device's memory and of the largest buffer; 0: the truth. */
 void spy_device_memory(uint64_t memory, uint64_t largest_buffer);
@@ -95,6 +106,10 @@ void spy_holds(cl_mem buffer, int32_t sign);
  * at its address. */
 void spy_launches(cl_kernel kernel, cl_uint dims, const size_t *local);
 void spy_forgets(cl_kernel kernel);
+
+/* The launch whose event this is: told, should that be wanted. NULL: no event was asked for. */
+bool spy_wants_kernels(void);
+void spy_follows(cl_kernel kernel, cl_event event);
 
 /* After its read of `rows` rows: waits for it and changes every byte that it brought, if this is its turn. */
 void spy_has_read(cl_command_queue q, void *to, size_t row_bytes, size_t rows, size_t pitch);

@@ -209,8 +209,20 @@ cl_int clReleaseKernel(cl_kernel kernel) {
 }
 
 /* ---- commands */
-SPY_COMMAND_THEN(clEnqueueNDRangeKernel, false, spy_launches(b, c, f), 6, cl_command_queue, cl_kernel,
-                 cl_uint, sizes, sizes, sizes)
+/* A launch that is followed has an event, asked for or not. */
+cl_int clEnqueueNDRangeKernel(SPY_PARAMETERS6(cl_command_queue, cl_kernel, cl_uint, sizes, sizes, sizes),
+                              cl_uint n, const cl_event *wait, cl_event *event) {
+    SPY_ENTER(clEnqueueNDRangeKernel, SPY_ENQUEUE);
+    cl_event own = NULL, *told = event || !spy_wants_kernels() ? event : &own;
+    if (v.fails) return spy_code();
+    const cl_int code = real(SPY_NAMES6, n, wait, told);
+    if (code == CL_SUCCESS && told && spy_wants_kernels()) spy_follows(b, *told);
+    if (own) (void)clReleaseEvent(own);
+    if (!v.ours || code != CL_SUCCESS) return code;
+    spy_enqueued(event);
+    spy_launches(b, c, f);
+    return code;
+}
 SPY_COMMAND_THEN(clEnqueueReadBuffer, c, spy_has_read(a, f, e, 1, e), 6, cl_command_queue, cl_mem, cl_bool,
                  size_t, size_t, void *)
 SPY_COMMAND_THEN(clEnqueueReadBufferRect, c, spy_has_read(a, k, f[0], f[1], i), 11, cl_command_queue, cl_mem,

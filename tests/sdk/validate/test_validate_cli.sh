@@ -44,7 +44,10 @@ expect 1 '"passed": false' --json --only depth-values "$wrong"
 expect 1 '^crash +first-frame .*(SIGSEGV|left by exit.1.); under way: slab' "$build/wrong/crash_in_slab.so"
 expect 1 '^crash +first-frame .*left by exit\(0\); under way: end' "$build/wrong/exit_in_end.so"
 expect 1 '^crash +first-frame .*aborted; under way: slab' "$build/wrong/abort_in_slab.so"
-expect 1 '^timeout +first-frame .*ran out of time \(6\.0 s\); under way: end' --timeout 6 --junit "$work/hang.xml" "$build/wrong/hang_in_end.so"
+expect 1 '^timeout +first-frame .*ran out of time \(2\.0 s\); under way: end' --timeout 12 --junit "$work/hang.xml" "$build/wrong/hang_in_end.so"
+# A kernel that does not end is told by its name, before the time for a check is over, although the first frame may compile.
+expect 1 '^timeout +first-frame .*ran out of time \(5\.0 s\); under way: .*; running: kernel find' --timeout 30 \
+    --only first-frame "$build/wrong/hang_in_kernel.so"
 # A frame that does not end costs a sixth of the time for a check, and is told with its values and an advice of its own.
 expect 1 '^timeout +param-fuzz .*ran out of time \(3\.0 s\); under way: end; values of the frame: .*gap = 5[,;]' --timeout 18 \
     --only param-fuzz "$build/wrong/hang_with_value.so"

@@ -171,6 +171,7 @@
     WRONG(ignores_no_memory, life, heap-faults, "activate does not look whether it got its memory") \
     WRONG(create_calls_opencl, opencl, create-without-opencl, "create asks OpenCL for its platforms") \
     WRONG(end_minus_78, opencl, first-frame, "end fails with a status that nobody knows, on the host's queue") \
+    WRONG(hang_in_kernel, opencl, first-frame, "a kernel never ends") \
     WRONG(frame_finishes, opencl, frame-path-opencl, "end waits for the host's queue") \
     WRONG(frame_blocks, opencl, frame-path-opencl, "end writes with a blocking call") \
     WRONG(frame_creates_buffer, opencl, frame-path-opencl, "slab makes an OpenCL buffer") \

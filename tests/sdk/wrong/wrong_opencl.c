@@ -21,8 +21,10 @@ static sv_status open_device(sva *a) {
 static sv_status find(sva *a, const sv_slab *s) {
     const float level = (float)(255.0 * sva_value(a, LEVEL));
     const cl_uint gap = (cl_uint)sva_value(a, GAP);
-    const sva_cl_arg args[] = {SVA_ARG(((sva_cl *)a->own)->rays), SVA_ARG(level), SVA_ARG(gap)};
-    return sva_cl_slab(a, s, FIND, args, 3);
+    const cl_uint step = !WRONG_IS(hang_in_kernel);
+    const sva_cl_arg args[] = {SVA_ARG(((sva_cl *)a->own)->rays), SVA_ARG(level), SVA_ARG(gap),
+                               SVA_ARG(step)};
+    return sva_cl_slab(a, s, FIND, args, 4);
 }
 
 static sv_status place(sva *a, float *depth) { /* NOLINT(readability-non-const-parameter) */
