@@ -197,6 +197,10 @@
     RULE(first_launches, TRIED, "first-launches", "first-frame",                                             \
          "activate has launched every kernel as a frame does (a warning).",                                  \
          "Launch each once with its final local size in activate.")                                          \
+    RULE(frame_time, TRIED, "frame-time", "first-frame",                                                     \
+         "A frame of 128 x 128 x 128 takes 50 ms at most: 20 volumes a second (a warning).",                 \
+         "Measure the three stages with smartvis.stats/1 or a profiler; read every voxel once, slab by "     \
+         "slab.")                                                                                            \
     RULE(opencl_balance, TRIED, "opencl-balance", "first-frame",                                             \
          "deactivate leaves no OpenCL object behind, and none of the host's retained.",                      \
          "Release what you created, and nothing else.")                                                      \

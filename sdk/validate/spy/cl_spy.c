@@ -198,10 +198,8 @@ void spy_has_read(cl_command_queue q, void *to, size_t row_bytes, size_t rows, s
 }
 
 /* ---- the kernel that runs */
-enum {
-    SPY_FOLLOWED = 64,
-    NAME_BYTES = sizeof(((spy_kernel *)NULL)->name)
-}; /* names of launches that have not begun; one that is older loses its own */
+/* The names of launches that have not begun; one that is older loses its own. */
+enum { SPY_FOLLOWED = 64, NAME_BYTES = sizeof(((spy_kernel *)NULL)->name) };
 static _Atomic(spy_kernel *) told;
 static char followed[SPY_FOLLOWED][NAME_BYTES];
 static atomic_uint followed_count;

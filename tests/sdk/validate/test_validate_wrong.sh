@@ -26,7 +26,7 @@ if [ "${4:-}" ]; then
     code=$?
     line=$(tr -d '\r' < "$work/$id" | grep -E "^[a-z]+ +$check ")
     wanted=1 words='^(fail|crash|timeout) '
-    case $check in library-scan-time | first-launches) wanted=0 words='^warn ' ;; esac
+    case $check in library-scan-time | first-launches | frame-time) wanted=0 words='^warn ' ;; esac
     if [ "$code" -ne $wanted ]; then
         echo "$id: exit code $code, expected $wanted"
     elif ! [[ $line =~ $words ]]; then

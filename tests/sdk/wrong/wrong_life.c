@@ -223,6 +223,7 @@ static sv_status end(const sv_plugin *plugin, const sv_result *result) {
     volatile int depth = 0;
     if (a->state == SVA_SLABS && WRONG_IS(exit_in_end)) exit(0);
     if (a->state == SVA_SLABS && WRONG_IS(hang_in_end)) wrong_hang();
+    if (a->state == SVA_SLABS && WRONG_IS(slow_frames)) (void)usleep(60000);
     if (a->state == SVA_SLABS && WRONG_IS(divides_by_zero)) (void)divide();
     if (a->state == SVA_SLABS && WRONG_IS(endless_recursion)) (void)recurse(&depth);
     if (a->state == SVA_SLABS && WRONG_IS(memory_grab)) grab();
