@@ -45,14 +45,6 @@ static inline sv_status SV_CALL sva_param_info(const sv_plugin *plugin, uint32_t
     return SV_OK;
 }
 
-/* A number as text, with a point in any locale. */
-SVA_PRINTF(3, 4) static inline void sva_text(char *out, size_t bytes, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    sva_print(out, bytes, format, args);
-    va_end(args);
-}
-
 static inline sv_status SV_CALL sva_param_text(const sv_plugin *plugin, uint32_t id, double value, char *out,
                                                uint32_t bytes) {
     const sva *a = (const sva *)plugin->plugin_data;
@@ -64,12 +56,7 @@ static inline sv_status SV_CALL sva_param_text(const sv_plugin *plugin, uint32_t
     if (!sva_value_fits(p, value))
         return sva_tell(a, SV_ERR_PARAM_RANGE, "param_text: %s is %g, expected %g to %g", p->key, value,
                         p->min_value, p->max_value);
-    if (p->names)
-        (void)snprintf(out, bytes, "%s", p->names[(size_t)((value - p->min_value) / sva_step(p))]);
-    else if (p->type == SV_PARAM_BOOL)
-        (void)snprintf(out, bytes, "%s", value != 0.0 ? "true" : "false");
-    else
-        sva_text(out, bytes, "%.6g", value);
+    sva_value_text(p, value, out, bytes);
     return SV_OK;
 }
 

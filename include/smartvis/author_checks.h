@@ -47,6 +47,32 @@ static inline int sva_value_fits(const sva_param *p, double value) {
     return sva_on_step(p, value) && !sva_left_out(p, value);
 }
 
+/* A number as text, with a point in any locale. */
+SVA_PRINTF(3, 4) static inline void sva_text(char *out, size_t bytes, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    sva_print(out, bytes, format, args);
+    va_end(args);
+}
+
+/* A value that fits, by its name if it has one. */
+static inline void sva_value_text(const sva_param *p, double value, char *out, size_t bytes) {
+    if (p->names)
+        (void)snprintf(out, bytes, "%s", p->names[(size_t)((value - p->min_value) / sva_step(p))]);
+    else if (p->type == SV_PARAM_BOOL)
+        (void)snprintf(out, bytes, "%s", value != 0.0 ? "true" : "false");
+    else
+        sva_text(out, bytes, "%.6g", value);
+}
+
+static inline sv_status sva_refuse_fixed(sva *a, const char *call, const sva_param *p, double value,
+                                         double fixed) {
+    char now[64], then[64];
+    sva_value_text(p, value, now, sizeof now);
+    sva_value_text(p, fixed, then, sizeof then);
+    return sva_blame(a, SV_ERR_PARAM_FIXED, "%s: %s is %s, activated with %s", call, p->key, now, then);
+}
+
 static inline sv_status sva_refuse_value(sva *a, const char *call, const sva_param *p, double value) {
     if (sva_left_out(p, value))
         return sva_blame(a, SV_ERR_PARAM_RANGE, "%s: %s is %g, which is none of its values", call, p->key,
@@ -72,9 +98,7 @@ static inline sv_status sva_take_values(sva *a, const char *call, const sv_param
         if (!sva_value_fits(p, value)) return sva_refuse_value(a, call, p, value);
         const size_t i = (size_t)(p - a->method->params);
         const int frozen = (p->flags & SV_PARAM_REACTIVATE) && needed != SV_PARAM_REACTIVATE;
-        if (frozen && value != a->fixed[i])
-            return sva_blame(a, SV_ERR_PARAM_FIXED, "%s: %s is %g, activated with %g", call, p->key, value,
-                             a->fixed[i]);
+        if (frozen && value != a->fixed[i]) return sva_refuse_fixed(a, call, p, value, a->fixed[i]);
         if (!frozen && (p->flags & needed) != needed)
             return sva_blame(a, SV_ERR_PARAM_ID, "%s: %s is not a parameter of this call", call, p->key);
         a->values[i] = value;

@@ -193,7 +193,7 @@ static void parameters(void **state) {
     assert_int_equal(begin(p, values, 2), SV_OK); /* the value of activate may be repeated */
     values[1].value = AT_SLAB;
     assert_int_equal(begin(p, values, 2), SV_ERR_PARAM_FIXED);
-    assert_string_equal(p->last_error(p), "begin: where is 3, activated with 0");
+    assert_string_equal(p->last_error(p), "begin: where is slab, activated with nowhere");
     assert_int_equal(begin(p, NULL, 0), SV_OK);
     assert_true(sva_value(p->plugin_data, SHADE) == 3.0); /* not listed: its default */
     p->deactivate(p);
