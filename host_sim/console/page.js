@@ -27,8 +27,13 @@ function sourceKey(source) {
   return source.scene ? "scene " + source.scene : "file " + source.folder + " " + source.path;
 }
 
+/* A copy that was made of another format is called as the file that it was made of. */
+function nameOfFile(path) {
+  return path.replace(/\.copy\.mha$/, "");
+}
+
 function nameOfSource(source) {
-  return (source.scene ? source.scene + ", " + source.size + " voxels" : source.path) + ", from " + source.from;
+  return (source.scene ? source.scene + ", " + source.size + " voxels" : nameOfFile(source.path)) + ", from " + source.from;
 }
 
 function fillSources(hello) {
@@ -36,7 +41,7 @@ function fillSources(hello) {
   for (const scene of hello.scenes)
     scenes.append(make("option", { value: "scene " + scene.name, text: scene.name + ": " + scene.title }));
   for (const file of hello.files)
-    files.append(make("option", { value: "file " + file.folder + " " + file.path, text: file.path }));
+    files.append(make("option", { value: "file " + file.folder + " " + file.path, text: nameOfFile(file.path) }));
   at("source").replaceChildren(scenes, ...(hello.files.length ? [files] : []));
   at("from").replaceChildren(...hello.places.map((place) => make("option", { value: place, text: place })));
 }
@@ -191,7 +196,7 @@ async function savePicture(view, picture) {
 
 function save(blob, what, suffix = "png") {
   const { scene, path } = lastFigures.of.source;
-  const name = [scene || path.split("/").pop(), what].join("_").replace(/[^\w.-]/g, "_") + "." + suffix;
+  const name = [scene || nameOfFile(path).split("/").pop(), what].join("_").replace(/[^\w.-]/g, "_") + "." + suffix;
   const link_ = make("a", { href: URL.createObjectURL(blob), download: "smartvis_" + name });
   document.body.dataset.snapshot = blob.size;
   link_.click();

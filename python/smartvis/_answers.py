@@ -15,25 +15,56 @@ from pathlib import Path
 
 from . import _images, _kretz, _metaimage
 from ._errors import FileError, HostError, SmartVisError
-from ._files import Source, stem, write_image
+from ._files import Source, cut, write_image
 from ._text import plain
 
 _MOST = 2**16 - 2  # bytes of an answer
 
 
-def volumes(path: Path) -> Iterator[tuple[Path, str, str]]:
-    """Every volume of a file as a MetaImage, which lasts until the next one is asked for, its name, and what is to be
-    told of the file."""
+def _name(path: Path, end: str = "") -> str:
+    """How a copy is called; the page leaves away what it adds to the file's own name."""
+    return f"{cut(path.name or path.resolve().name, 170)}{end}.copy.mha"
+
+
+def _volume(source: Source, number: int, path: Path) -> tuple[Path, str]:
+    """A volume as MetaImage, and what is to be told of it."""
+    image = source.read(number)
+    file, said = write_image(path, image), _images.said(image)
+    if said.side is not None:
+        _metaimage.say_probe(file, said.side, said.apex)
+    return file, said.told
+
+
+def _sequence(source: Source, folder: Path, most: int | None) -> tuple[Path, str] | None:
+    """All volumes as one MetaImage, and what is to be told of them; None: they differ in more than voxels.
+    FileError: they are more than `most` bytes."""
+    whole, all_told = folder / "sequence.mha", ""
+    with whole.open("wb") as file:
+        joined = _metaimage.Joined(file, source.count)
+        for number in range(source.count):
+            volume, told = _volume(source, number, folder / "volume.mha")
+            if not joined.add(volume):
+                return None
+            if most is not None and file.tell() > most:
+                raise FileError(f"{source.path}: its volumes are more than the console has room for")
+            all_told = all_told or told
+    return whole, all_told
+
+
+def volumes(path: Path, most: int | None = None) -> Iterator[tuple[Path, str, str]]:
+    """What a file holds as MetaImage, which lasts until the next one is asked for, its name, and what is to be told
+    of it. Volumes of a file that differ in their voxels alone are one sequence, of `most` bytes; others come one by
+    one."""
     source = Source(path)
-    for number in range(source.count):
-        with tempfile.TemporaryDirectory(prefix="smartvis_") as folder:
-            end = f"_{number:03}" if source.count > 1 else ""
-            name = f"{stem(path)}{end}.mha"
-            image = source.read(number)
-            file, said = write_image(Path(folder) / "volume.mha", image), _images.said(image)
-            if said.side is not None:
-                _metaimage.say_probe(file, said.side, said.apex)
-            yield file, name, f"{name}: {said.told}" if said.told else ""
+    with tempfile.TemporaryDirectory(prefix="smartvis_") as folder:
+        whole = _sequence(source, Path(folder), most) if source.count > 1 else None
+        if whole:
+            yield whole[0], _name(path), f"{path.name}: {whole[1]}" if whole[1] else ""
+            return
+        for number in range(source.count):
+            end = f" volume {number + 1}" if source.count > 1 else ""
+            file, told = _volume(source, number, Path(folder) / "volume.mha")
+            yield file, _name(path, end), f"{path.name}{end}: {told}" if told else ""
 
 
 def _free(folder: Path, name: str) -> Path:
@@ -63,7 +94,7 @@ class Answers:
         made: list[Path] = []
         told: list[str] = []
         try:
-            for volume, name, said in volumes(file):
+            for volume, name, said in volumes(file, left):
                 left -= volume.stat().st_size
                 made.append(_free(file.parent, name))
                 told += [said] if said else []

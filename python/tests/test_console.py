@@ -20,7 +20,7 @@ from PIL import Image  # type: ignore[import-not-found]
 from smartvis import clip
 from smartvis import scene as of_scene
 from smartvis._answers import volumes
-from smartvis._errors import OutputError
+from smartvis._errors import FileError, OutputError
 from smartvis.console import Page as Door
 
 sys.path.insert(0, str(SOURCE / "tests" / "host_sim" / "console"))
@@ -58,7 +58,8 @@ def test_formats_are_one_volume(tmp_path):
         address = Address(line.split()[1])
         page = Page(address, timeout=LONG)
         files = [(one["folder"], one["path"]) for one in page.must("hello")["files"]]
-        assert files == [(0, "a.mha"), (0, "b.mha"), (0, "study.mha")] and unquote(address.first) == "file=0:a.mha"
+        assert files == [(0, f"{name}.copy.mha") for name in ("a.nii.gz", "b.nrrd", "study")]
+        assert unquote(address.first) == "file=0:a.nii.gz.copy.mha"
         drawn = []
         for folder, path in files:
             frame = page.show(source={"folder": folder, "path": path, "from": "probe"}, views=["full", "across"])
@@ -83,14 +84,38 @@ def test_what_a_file_says_of_probe_and_place_is_told(tmp_path):
     two_places(tmp_path / "two.nii", scan)
     clipped = clip(str(tmp_path / "far.dcm")).beams
     told = {name: (host("info", file)[1], what) for file, name, what in volumes(tmp_path / "far.dcm")}
-    assert f"beams: {clipped}\n" in told["far.mha"][0] and told["far.mha"][1] == ""
+    assert f"beams: {clipped}\n" in told["far.dcm.copy.mha"][0] and told["far.dcm.copy.mha"][1] == ""
     began = smartvis(tmp_path / "two.nii")
     try:
         assert began.stdout.readline().startswith("Console  ")
     finally:
         began.terminate()
         said = began.communicate(timeout=LONG)[1]
-    assert said.startswith("two.mha: Its qform and its sform disagree, by 30 degrees")
+    assert said.startswith("two.nii: Its qform and its sform disagree, by 30 degrees")
+
+
+def test_volumes_of_two_sizes_are_no_sequence(tmp_path):
+    for number, side in enumerate((24, 32)):
+        write_dicom(tmp_path / "study", sitk.GetImageFromArray(layers((24, 32, side))), series=f"1.2.3.{number}")
+    sizes = {name: sitk.ReadImage(str(file)).GetSize() for file, name, _ in volumes(tmp_path / "study")}
+    assert sizes == {"study volume 1.copy.mha": (24, 32, 24), "study volume 2.copy.mha": (32, 32, 24)}
+
+
+def test_a_sequence_holds_its_volumes_in_their_place(tmp_path):
+    """One volume after the other, and only as many bytes as there is room for."""
+    one = sitk.GetImageFromArray(layers((24, 32, 40)).astype(np.int16))
+    one.SetSpacing((0.5, 0.6, 0.7))
+    one.SetOrigin((1.0, -2.0, 3.5))
+    sitk.WriteImage(sitk.JoinSeries([one, one * 2, one + 1]), str(tmp_path / "beat.nrrd"))
+    for file, name, told in volumes(tmp_path / "beat.nrrd"):
+        assert (name, told) == ("beat.nrrd.copy.mha", "")
+        whole = sitk.ReadImage(str(file))
+        assert whole.GetSize() == (40, 32, 24, 3) and whole.GetSpacing()[:3] == one.GetSpacing()
+        assert whole.GetOrigin()[:3] == one.GetOrigin()
+        for number, image in enumerate((one, one * 2, one + 1)):
+            assert np.array_equal(sitk.GetArrayViewFromImage(whole)[number], sitk.GetArrayViewFromImage(image))
+    with pytest.raises(FileError, match=r"beat\.nrrd: its volumes are more than"):
+        list(volumes(tmp_path / "beat.nrrd", most=100_000))
 
 
 def test_what_is_no_volume_is_told(tmp_path):
@@ -127,7 +152,7 @@ def dicom_of(address, png, of):
 
 
 def cases(folder, scan):
-    """A file of each kind that is dropped, and the copies that the page is told of."""
+    """A file of each kind that is dropped, and how many volumes it has."""
     image = sitk.GetImageFromArray(scan)
     for name in ("a.nii.gz", "a.nrrd"):
         sitk.WriteImage(image, str(folder / name))
@@ -137,8 +162,7 @@ def cases(folder, scan):
     said.PatientID, said.StudyInstanceUID = "17", "1.2.3"
     said.save_as(folder / "scan.dcm")
     two_places(folder / "two.nii", scan)
-    one_by_one = {"a.nii.gz": "a.mha", "a.nrrd": "2_a.mha", "scan.dcm": "scan.mha", "two.nii": "two.mha"}
-    return one_by_one | {"beat.nii.gz": "beat_000.mha"}
+    return dict.fromkeys(("a.nii.gz", "a.nrrd", "scan.dcm", "two.nii"), 1) | {"beat.nii.gz": 2}
 
 
 def test_what_is_dropped_on_the_page(tmp_path):
@@ -148,16 +172,18 @@ def test_what_is_dropped_on_the_page(tmp_path):
     with started() as address:
         door, page = Door(address), Page(Address(address), timeout=LONG)
         assert page.must("hello")["drop"]["reader"] is True
-        for name, copy in made.items():
-            assert door.drop(tmp_path / name, name) == copy
+        for name, count in made.items():
+            copy = door.drop(tmp_path / name, name)
+            assert copy == f"{name}.copy.mha"
             frame = page.show(source={"folder": 0, "path": copy, "from": "probe"}, views=["full"])
             assert frame["type"] == "frame" and frame["source"]["voxels"] == [96, 96, 48], frame
+            assert frame["source"]["volumes"] == count
         with pytest.raises(OutputError) as refused:
             door.drop(tmp_path / "bad.nii", "bad.nii")
         assert str(refused.value).startswith("bad.nii: ")
         pixels = np.random.default_rng(1).integers(0, 256, (20, 30, 3), np.uint8)
         Image.fromarray(pixels).save(tmp_path / "seen.png")
-        for copy, patient in (("scan.mha", "17"), ("a.mha", ""), ("", ""), ("none.mha", "")):
+        for copy, patient in (("scan.dcm.copy.mha", "17"), ("a.nrrd.copy.mha", ""), ("", ""), ("none.mha", "")):
             data = dicom_of(Address(address), tmp_path / "seen.png", copy)
             assert data.PatientID == patient and np.array_equal(data.pixel_array, pixels)
         (tmp_path / "seen.png").write_bytes(b"no picture")
@@ -173,4 +199,4 @@ def test_a_picture_of_a_file_of_the_command_line_says_whose_it_is(tmp_path):
         scan.save_as(file)
     Image.fromarray(np.zeros((8, 8, 3), np.uint8)).save(tmp_path / "seen.png")
     with started(tmp_path / "study") as address:
-        assert dicom_of(Address(address), tmp_path / "seen.png", "study.mha").PatientID == "18"
+        assert dicom_of(Address(address), tmp_path / "seen.png", "study.copy.mha").PatientID == "18"

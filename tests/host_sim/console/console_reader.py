@@ -40,7 +40,7 @@ class Reader:
         if name.startswith("bad"):
             return f"-{name}: is no volume of mine"
         holds(int(room) == (2 << 30) - sum(os.path.getsize(os.path.join(folder, one)) for one in os.listdir(folder)), f"there is room for {room} bytes")
-        paths = [name.split(".")[0] + end for end in ("_000.mha", "_001.mha")]
+        paths = [f"{name} volume {n}.copy.mha" for n in (1, 2)]
         for one in paths:
             shutil.copy(self.scan, os.path.join(folder, one))
         os.remove(path)
@@ -62,19 +62,19 @@ def drop(b, path):
 
 
 def other_formats_are_opened(b, reader, work):
-    """All volumes of a file are offered and the first is shown; what the reader tells stays until it is closed, what it refuses is said."""
+    """All volumes of a file are offered by its name and the first is shown; what the reader tells stays until it is closed, what it refuses is said."""
     for name in ("scan.nii.gz", "bad.nrrd", "later.dcm"):
         with open(os.path.join(work, name), "wb") as file:
             file.write(b"of another format")
     drop(b, os.path.join(work, "scan.nii.gz"))
-    b.wait_for("state.source.path === 'scan_000.mha'", "a dropped file")
+    b.wait_for("state.source.path === 'scan.nii.gz volume 1.copy.mha'", "a dropped file")
     settle(b, "a dropped file")
     offered = b.run("return [...at('source').options].map((o) => o.text).filter((text) => text.startsWith('scan'))")
-    holds(offered == ["scan_000.mha", "scan_001.mha"] and b.run("return lastFigures.source.voxels") == [64, 64, 64], f"offered are {offered}")
+    holds(offered == ["scan.nii.gz volume 1", "scan.nii.gz volume 2"] and b.run("return lastFigures.source.voxels") == [64, 64, 64], f"offered are {offered}")
     holds(b.run("return at('notice').hidden ? '' : at('notice').firstElementChild.textContent") == "Two places disagree", "what is told is not said")
     drop(b, os.path.join(work, "bad.nrrd"))
     b.wait_for("at('notice').textContent.includes('bad.nrrd: is no volume of mine')", "a refusal")
-    holds(b.run("return state.source.path") == "scan_000.mha", "what is refused is opened")
+    holds(b.run("return state.source.path") == "scan.nii.gz volume 1.copy.mha", "what is refused is opened")
     b.run("closeNotice()")
     holds([one[:2] for one in reader.asked] == [("read", "scan.nii.gz"), ("read", "bad.nrrd")], f"asked: {reader.asked}")
 
@@ -91,15 +91,15 @@ def pictures_become_dicom(b, reader, work):
     holds(b.run("return [at('snapshot-dicom').checkVisibility(), at('no-dicom').hidden]") == [True, True], "DICOM is not offered")
     b.run("at('snapshot-view').value = 'result'; delete document.body.dataset.snapshot")
     b.click("#snapshot-dicom")
-    holds(saved(b, work, "smartvis_scan_000.mha_result.dcm") == b"DICOM " + reader.pictures[0], "another file is saved")
+    holds(saved(b, work, "smartvis_scan.nii.gz_volume_1_result.dcm") == b"DICOM " + reader.pictures[0], "another file is saved")
     wide, high = (int.from_bytes(reader.pictures[0][at:at + 4], "big") for at in (16, 20))
-    holds(wide == 512 and high > 560 and reader.asked[-1] == ("dicom", "picture.png", "scan_000.mha"), f"{wide} x {high}, {reader.asked[-1]}")
+    holds(wide == 512 and high > 560 and reader.asked[-1] == ("dicom", "picture.png", "scan.nii.gz volume 1.copy.mha"), f"{wide} x {high}, {reader.asked[-1]}")
     choose(b, "cine-as", "dcm")
     b.run("at('with-caption').checked = false; delete document.body.dataset.snapshot")
     b.click("#cine")
-    saved(b, work, "smartvis_scan_000.mha_result_cine.dcm")
+    saved(b, work, "smartvis_scan.nii.gz_volume_1_result_cine.dcm")
     frames = int.from_bytes(reader.pictures[1].split(b"acTL")[1][:4], "big")
-    holds(frames == 36 and reader.asked[-1] == ("dicom", "picture.png", "scan_000.mha"), f"{frames} pictures, {reader.asked[-1]}")
+    holds(frames == 36 and reader.asked[-1] == ("dicom", "picture.png", "scan.nii.gz volume 1.copy.mha"), f"{frames} pictures, {reader.asked[-1]}")
     b.wait_for("at('cine').textContent === 'Save a cine'", "the end of a cine")
     choose(b, "source", "scene D01", then="a scene")
     b.run("delete document.body.dataset.snapshot")
@@ -111,7 +111,7 @@ def pictures_become_dicom(b, reader, work):
 def what_fails_is_said(b, reader, work, copies):
     """A reader that refuses, and one that has gone: each is a sentence, and nothing is left behind."""
     drop(b, os.path.join(work, "later.dcm"))
-    b.wait_for("state.source.path === 'later_000.mha'", "another dropped file")
+    b.wait_for("state.source.path === 'later.dcm volume 1.copy.mha'", "another dropped file")
     settle(b, "another dropped file")
     b.click("#snapshot-dicom")
     b.wait_for("at('notice').textContent.includes('The scan is of two patients')", "why there is no DICOM")
@@ -120,7 +120,7 @@ def what_fails_is_said(b, reader, work, copies):
     b.wait_for("at('notice').textContent.includes('has gone')", "a reader that has gone")
     (folder,) = [name for name in os.listdir(copies) if name.startswith("host_sim_console_")]
     left = sorted(os.listdir(os.path.join(copies, folder)))
-    holds(left == ["later_000.mha", "later_001.mha", "scan_000.mha", "scan_001.mha"], f"left are {left}")
+    holds(left == [f"{name} volume {n}.copy.mha" for name in ("later.dcm", "scan.nii.gz") for n in (1, 2)], f"left are {left}")
     b.run("closeNotice()")
 
 
