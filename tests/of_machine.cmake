@@ -29,4 +29,5 @@ endif()
 # The machine as a library.
 target_link_libraries(test_door PRIVATE smartvis_host)
 target_link_libraries(test_door_told PRIVATE smartvis_host)
+target_link_libraries(test_door_sizes PRIVATE smartvis_host)
 add_dependencies(test_door host_sim wrong_plugins)

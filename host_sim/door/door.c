@@ -14,10 +14,6 @@ const char *svh_version(void) {
 
 /* --------------------------------------------------------------------------------------------- errors -- */
 
-bool door_check_size(uint32_t given, size_t ours, const char *what, hs_error *err) {
-    return given == ours || hs_fail(err, HS_ERR_USAGE, "%s: size is %u, expected %zu", what, given, ours);
-}
-
 bool door_check_given(const char *call, const char *names, const void *const *pointers, size_t count,
                       hs_error *err) {
     for (size_t i = 0; i < count; i++) {
@@ -46,10 +42,11 @@ static void tell_call(const char *text, svh_error *out) {
 
 int32_t door_leave(svh_host *host, const hs_error *err, svh_error *out) {
     if (host) (void)pthread_mutex_unlock(&host->lock);
-    if (err->code != HS_OK && out && out->size == sizeof *out) {
-        *out = (svh_error){.size = sizeof *out, .code = (int32_t)err->code};
-        (void)snprintf(out->text, sizeof out->text, "%s", err->text);
-        if (err->code == HS_ERR_PLUGIN) tell_call(err->text, out);
+    if (err->code != HS_OK && out && out->size >= DOOR_1_0_svh_error) {
+        svh_error own = {.code = (int32_t)err->code};
+        (void)snprintf(own.text, sizeof own.text, "%s", err->text);
+        if (err->code == HS_ERR_PLUGIN) tell_call(err->text, &own);
+        door_give(out, &own, sizeof own);
     }
     return (int32_t)err->code;
 }
@@ -94,27 +91,25 @@ static void make_lock(pthread_mutex_t *lock) {
 }
 
 int32_t svh_open(const svh_options *options, svh_host **out, svh_error *error) {
-    static const svh_options defaults = {.size = sizeof defaults};
+    svh_options own = {0};
     hs_error err = {0};
     if (!DOOR_GIVEN(&err, out)) return door_leave(NULL, &err, error);
     *out = NULL;
-    if (!options) options = &defaults;
-    if (!door_check_size(options->size, sizeof *options, "svh_options", &err))
-        return door_leave(NULL, &err, error);
+    if (options && !DOOR_TAKE(svh_options, &own, options, &err)) return door_leave(NULL, &err, error);
     svh_host *host = hs_memory(1, sizeof *host, "host", &err);
     if (!host) return door_leave(NULL, &err, error);
     hs_guard_defaults(&host->guard);
-    host->guard.choice = (hs_guard_choice)options->guard;
-    if (options->guard > SVH_GUARD_OFF) {
-        (void)hs_fail(&err, HS_ERR_USAGE, "svh_options: guard is %u, expected 0 .. 2", options->guard);
+    host->guard.choice = (hs_guard_choice)own.guard;
+    if (own.guard > SVH_GUARD_OFF) {
+        (void)hs_fail(&err, HS_ERR_USAGE, "svh_options: guard is %u, expected 0 .. 2", own.guard);
         free(host);
         return door_leave(NULL, &err, error);
     }
-    host->log = options->log;
-    host->context = options->context;
+    host->log = own.log;
+    host->context = own.context;
     host->users = 1;
     make_lock(&host->lock);
-    find_parts(host, options->program);
+    find_parts(host, own.program);
     *out = host;
     return SVH_OK;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/system.h"
+#include "door/door_size.h"
 #include "door/smartvis_host.h"
 #include "guarded/guard_options.h"
 #include "loop/view.h"
@@ -40,9 +41,6 @@ void door_let_go(svh_host *host);
 
 /* Ends a call: unlocks the host, and hands the error out. */
 int32_t door_leave(svh_host *host, const hs_error *err, svh_error *out);
-
-/* HS_ERR_USAGE if a struct's size is not the one of this header. */
-bool door_check_size(uint32_t given, size_t ours, const char *what, hs_error *err);
 
 /* HS_ERR_USAGE, which names it, if one of these arguments of the caller is NULL. */
 #define DOOR_GIVEN(err, ...)                                                                                 \

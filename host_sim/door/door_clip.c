@@ -26,10 +26,8 @@ static bool keep_marks(svh_clipper *clipper, const svh_frame *frame, hs_error *e
 }
 
 static bool check_frame(const svh_frame *frame, hs_error *err) {
-    return door_check_size(frame->size, sizeof *frame, "svh_frame", err) &&
-           ((frame->flags & ~(uint32_t)(SVH_CONTINUES | SVH_SAME_VOLUME | SVH_TIMED)) == 0 ||
-            hs_fail(err, HS_ERR_USAGE, "svh_frame: flags are 0x%x, expected SVH_CONTINUES, ...",
-                    frame->flags));
+    return (frame->flags & ~(uint32_t)(SVH_CONTINUES | SVH_SAME_VOLUME | SVH_TIMED)) == 0 ||
+           hs_fail(err, HS_ERR_USAGE, "svh_frame: flags are 0x%x, expected SVH_CONTINUES, ...", frame->flags);
 }
 
 /* The camera has moved if it looks elsewhere than before. */
@@ -110,43 +108,42 @@ static void tell_reason(svh_clipper *clipper, svh_result *out) {
 }
 
 static bool tell(svh_clipper *clipper, const hs_clip_outcome *clip, svh_result *out, hs_error *err) {
-    *out = (svh_result){.size = sizeof *out,
-                        .outcome = clip->outcome,
-                        .clips = clip->clipped,
-                        .points = clip->stats.points,
-                        .unfilled = clip->stats.unfilled,
-                        .knows_points = clip->points.size != 0 && clip->stats.points > 0,
-                        .bone_threshold = clip->points.bone_threshold,
-                        .volume_max = clip->points.volume_max,
-                        .passes = clip->points.passes,
-                        .reconstruct_ms = (float)clipper->times.reconstruct_ms};
-    memcpy(out->n, clipper->n, sizeof out->n);
-    out->spacing[0] = out->spacing[1] = clipper->camera.extent / clipper->n[0];
-    out->spacing[2] = clipper->camera.depth_extent / clipper->n[2];
-    tell_reason(clipper, out);
-    return read_maps(clipper, clip, out, err);
+    svh_result own = {.outcome = clip->outcome,
+                      .clips = clip->clipped,
+                      .points = clip->stats.points,
+                      .unfilled = clip->stats.unfilled,
+                      .knows_points = clip->points.size != 0 && clip->stats.points > 0,
+                      .bone_threshold = clip->points.bone_threshold,
+                      .volume_max = clip->points.volume_max,
+                      .passes = clip->points.passes,
+                      .reconstruct_ms = (float)clipper->times.reconstruct_ms};
+    memcpy(own.n, clipper->n, sizeof own.n);
+    own.spacing[0] = own.spacing[1] = clipper->camera.extent / clipper->n[0];
+    own.spacing[2] = clipper->camera.depth_extent / clipper->n[2];
+    tell_reason(clipper, &own);
+    if (!read_maps(clipper, clip, &own, err)) return false;
+    door_give(out, &own, sizeof own);
+    return true;
 }
 
 int32_t svh_clip(svh_clipper *clipper, svh_volume *volume, const svh_view *view, const svh_frame *frame,
                  svh_result *out, svh_error *error) {
-    static const svh_frame alone = {.size = sizeof alone};
-    svh_view from_probe = {.size = sizeof from_probe};
+    svh_frame told = {0};
+    svh_view seen = {.size = sizeof seen};
     hs_clip_outcome clip;
     hs_error err = {0};
     if (!DOOR_GIVEN(&err, clipper, volume, out)) return door_leave(NULL, &err, error);
     if (!view) {
-        const int32_t code = svh_plan(volume, &from_probe, error);
+        const int32_t code = svh_plan(volume, &seen, error);
         if (code != SVH_OK) return code;
-        view = &from_probe;
     }
-    if (!frame) frame = &alone;
     (void)pthread_mutex_lock(&clipper->host->lock);
     if (volume->host != clipper->host)
         (void)hs_fail(&err, HS_ERR_USAGE,
                       "svh_clip: the volume was taken by another host than the clipper's");
-    else if (door_check_size(out->size, sizeof *out, "svh_result", &err) && check_frame(frame, &err) &&
-             door_check_size(view->size, sizeof *view, "svh_view", &err) && door_check_planned(view, &err) &&
-             ask(clipper, volume, view, frame, &clip, &err))
+    else if (DOOR_FITS(svh_result, out, &err) && (!frame || DOOR_TAKE(svh_frame, &told, frame, &err)) &&
+             (!view || DOOR_TAKE(svh_view, &seen, view, &err)) && check_frame(&told, &err) &&
+             door_check_planned(&seen, &err) && ask(clipper, volume, &seen, &told, &clip, &err))
         (void)tell(clipper, &clip, out, &err);
     return door_leave(clipper->host, &err, error);
 }
@@ -171,8 +168,7 @@ int32_t svh_adjust(svh_clipper *clipper, const uint32_t *ids, const double *valu
     if (!DOOR_GIVEN(&err, clipper, out)) return door_leave(NULL, &err, error);
     (void)pthread_mutex_lock(&clipper->host->lock);
     clipper->times = (sv_stage_times){0};
-    if (door_check_size(out->size, sizeof *out, "svh_result", &err) &&
-        adjust(clipper, ids, values, count, &clip, &err))
+    if (DOOR_FITS(svh_result, out, &err) && adjust(clipper, ids, values, count, &clip, &err))
         (void)tell(clipper, &clip, out, &err);
     return door_leave(clipper->host, &err, error);
 }

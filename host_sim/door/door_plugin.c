@@ -61,20 +61,20 @@ void svh_clipper_free(svh_clipper *clipper) {
 
 int32_t svh_clipper_about(const svh_clipper *clipper, svh_plugin *out, svh_error *error) {
     hs_error err = {0};
-    if (!DOOR_GIVEN(&err, clipper, out) || !door_check_size(out->size, sizeof *out, "svh_plugin", &err))
+    if (!DOOR_GIVEN(&err, clipper, out) || !DOOR_FITS(svh_plugin, out, &err))
         return door_leave(NULL, &err, error);
     const sv_descriptor *d = clipper->plugin.instance->descriptor;
-    *out = (svh_plugin){.size = sizeof *out,
-                        .features = d->features,
-                        .queues = d->queues,
-                        .guarded = hs_is_guarded(&clipper->plugin),
-                        .parameters = hs_plugin_param_count(&clipper->plugin),
-                        .path = clipper->plugin.path,
-                        .id = d->id,
-                        .name = d->name,
-                        .vendor = d->vendor,
-                        .version = d->version,
-                        .summary = d->summary};
+    const svh_plugin own = {.features = d->features,
+                            .queues = d->queues,
+                            .guarded = hs_is_guarded(&clipper->plugin),
+                            .parameters = hs_plugin_param_count(&clipper->plugin),
+                            .path = clipper->plugin.path,
+                            .id = d->id,
+                            .name = d->name,
+                            .vendor = d->vendor,
+                            .version = d->version,
+                            .summary = d->summary};
+    door_give(out, &own, sizeof own);
     return SVH_OK;
 }
 
@@ -85,21 +85,21 @@ static const char *text_of(const char *text) {
 }
 
 static void describe(const sv_param_info *info, svh_param *out) {
-    *out = (svh_param){.size = sizeof *out,
-                       .id = info->id,
-                       .type = info->type,
-                       .flags = info->flags,
-                       .default_value = info->default_value,
-                       .min_value = info->min_value,
-                       .max_value = info->max_value,
-                       .step = info->step,
-                       .display_min = info->display_min,
-                       .display_max = info->display_max,
-                       .key = text_of(info->key),
-                       .label = text_of(info->label),
-                       .unit = text_of(info->unit),
-                       .help = text_of(info->help),
-                       .group = text_of(info->group)};
+    const svh_param own = {.id = info->id,
+                           .type = info->type,
+                           .flags = info->flags,
+                           .default_value = info->default_value,
+                           .min_value = info->min_value,
+                           .max_value = info->max_value,
+                           .step = info->step,
+                           .display_min = info->display_min,
+                           .display_max = info->display_max,
+                           .key = text_of(info->key),
+                           .label = text_of(info->label),
+                           .unit = text_of(info->unit),
+                           .help = text_of(info->help),
+                           .group = text_of(info->group)};
+    door_give(out, &own, sizeof own);
 }
 
 int32_t svh_param_at(svh_clipper *clipper, uint32_t index, svh_param *out, svh_error *error) {
@@ -108,7 +108,7 @@ int32_t svh_param_at(svh_clipper *clipper, uint32_t index, svh_param *out, svh_e
     if (!DOOR_GIVEN(&err, clipper, out)) return door_leave(NULL, &err, error);
     const sv_plugin *instance = clipper->plugin.instance;
     (void)pthread_mutex_lock(&clipper->host->lock);
-    if (door_check_size(out->size, sizeof *out, "svh_param", &err)) {
+    if (DOOR_FITS(svh_param, out, &err)) {
         const uint32_t count = hs_plugin_param_count(&clipper->plugin);
         const sv_status status = index < count ? instance->param_info(instance, index, &info) : SV_OK;
         if (index >= count)
@@ -221,9 +221,10 @@ static bool ask_needs(svh_clipper *clipper, const svh_volume *volume, const svh_
 int32_t svh_needs(svh_clipper *clipper, const svh_volume *volume, const svh_view *view, uint64_t *bytes,
                   svh_error *error) {
     hs_error err = {0};
+    svh_view own;
     if (!DOOR_GIVEN(&err, clipper, volume, view, bytes)) return door_leave(NULL, &err, error);
     (void)pthread_mutex_lock(&clipper->host->lock);
-    if (door_check_size(view->size, sizeof *view, "svh_view", &err) && door_check_planned(view, &err))
-        (void)ask_needs(clipper, volume, view, bytes, &err);
+    if (DOOR_TAKE(svh_view, &own, view, &err) && door_check_planned(&own, &err))
+        (void)ask_needs(clipper, volume, &own, bytes, &err);
     return door_leave(clipper->host, &err, error);
 }

@@ -25,7 +25,7 @@ static bool check_angles(const svh_view *view, hs_error *err) {
 
 bool door_camera(const svh_volume *volume, const svh_view *view, hs_camera *camera, hs_error *err) {
     const hs_volume *v = &volume->volume;
-    if (!door_check_size(view->size, sizeof *view, "svh_view", err) || !check_angles(view, err)) return false;
+    if (!check_angles(view, err)) return false;
     if (view->from >= HS_FROM_COUNT)
         return hs_fail(err, HS_ERR_USAGE, "svh_view: from is %u, expected 0 .. %d", view->from,
                        (int)HS_FROM_COUNT - 1);
@@ -72,18 +72,21 @@ int32_t svh_plan(const svh_volume *volume, svh_view *view, svh_error *error) {
     hs_error err = {0};
     hs_camera camera;
     hs_told told;
-    if (!DOOR_GIVEN(&err, volume, view) || !door_camera(volume, view, &camera, &err) ||
-        !hs_lowres_size(&volume->volume, view->lowres, &camera, view->n, &err))
+    svh_view own;
+    if (!DOOR_GIVEN(&err, volume, view) || !DOOR_TAKE(svh_view, &own, view, &err) ||
+        !door_camera(volume, &own, &camera, &err) ||
+        !hs_lowres_size(&volume->volume, own.lowres, &camera, own.n, &err))
         return door_leave(NULL, &err, error);
-    memcpy(view->rotation, camera.rotation, sizeof camera.rotation);
-    view->box[0] = camera.extent;
-    view->box[1] = camera.depth_extent;
-    hs_camera_tell(&camera, &volume->volume, view->n, &told);
-    memcpy(view->probe_rotation, told.rotation, sizeof told.rotation);
-    memcpy(view->probe_side, told.side, sizeof told.side);
-    memcpy(view->beam_apex_mm, told.apex_mm, sizeof told.apex_mm);
-    view->beams = told.beams;
-    view->beam_sweep_mm = told.sweep_mm;
+    memcpy(own.rotation, camera.rotation, sizeof camera.rotation);
+    own.box[0] = camera.extent;
+    own.box[1] = camera.depth_extent;
+    hs_camera_tell(&camera, &volume->volume, own.n, &told);
+    memcpy(own.probe_rotation, told.rotation, sizeof told.rotation);
+    memcpy(own.probe_side, told.side, sizeof told.side);
+    memcpy(own.beam_apex_mm, told.apex_mm, sizeof told.apex_mm);
+    own.beams = told.beams;
+    own.beam_sweep_mm = told.sweep_mm;
+    door_give(view, &own, sizeof own);
     return SVH_OK;
 }
 
@@ -121,10 +124,12 @@ int32_t svh_convert(svh_volume *volume, const svh_view *view, uint8_t *voxels, u
                     svh_error *error) {
     hs_error err = {0};
     hs_camera camera;
+    svh_view own;
     if (!DOOR_GIVEN(&err, volume, view, voxels, ranges)) return door_leave(NULL, &err, error);
     (void)pthread_mutex_lock(&volume->host->lock);
-    if (door_camera(volume, view, &camera, &err) && door_check_planned(view, &err))
-        (void)convert(volume, &camera, view, voxels, ranges, &err);
+    if (DOOR_TAKE(svh_view, &own, view, &err) && door_camera(volume, &own, &camera, &err) &&
+        door_check_planned(&own, &err))
+        (void)convert(volume, &camera, &own, voxels, ranges, &err);
     return door_leave(volume->host, &err, error);
 }
 
@@ -152,11 +157,13 @@ int32_t svh_mark_depth(const svh_volume *volume, const svh_view *view, const svh
                        float *depth, svh_error *error) {
     hs_error err = {0};
     hs_camera camera;
-    hs_mark *own = NULL;
-    if (DOOR_GIVEN(&err, volume, view, depth) && door_camera(volume, view, &camera, &err) &&
-        door_check_planned(view, &err) && (own = door_marks(marks, count, &err)))
-        (void)hs_marks_apply(own, count, &volume->volume, &camera, view->n, depth, &err);
-    free(own);
+    svh_view own;
+    hs_mark *list = NULL;
+    if (DOOR_GIVEN(&err, volume, view, depth) && DOOR_TAKE(svh_view, &own, view, &err) &&
+        door_camera(volume, &own, &camera, &err) && door_check_planned(&own, &err) &&
+        (list = door_marks(marks, count, &err)))
+        (void)hs_marks_apply(list, count, &volume->volume, &camera, own.n, depth, &err);
+    free(list);
     return door_leave(NULL, &err, error);
 }
 
@@ -167,8 +174,10 @@ static bool maps_of(const svh_volume *volume, const svh_view *view, const float 
         const float *in;
         float *out;
     } values = {depth};
-    *maps = (hs_maps){.width = view->n[0], .height = view->n[1], .slices = view->n[2], .depth = values.out};
-    return door_camera(volume, view, &maps->camera, err) && door_check_planned(view, err);
+    svh_view own;
+    if (!DOOR_TAKE(svh_view, &own, view, err)) return false;
+    *maps = (hs_maps){.width = own.n[0], .height = own.n[1], .slices = own.n[2], .depth = values.out};
+    return door_camera(volume, &own, &maps->camera, err) && door_check_planned(&own, err);
 }
 
 int32_t svh_mask(const svh_volume *volume, const svh_view *view, const float *depth, uint8_t *mask,
@@ -194,16 +203,15 @@ int32_t svh_surface(const svh_volume *volume, const svh_view *view, const float 
     hs_error err = {0};
     hs_maps maps;
     hs_mesh mesh;
-    if (!DOOR_GIVEN(&err, volume, view, depth, out) ||
-        !door_check_size(out->size, sizeof *out, "svh_mesh", &err) ||
+    if (!DOOR_GIVEN(&err, volume, view, depth, out) || !DOOR_FITS(svh_mesh, out, &err) ||
         !maps_of(volume, view, depth, &maps, &err) ||
         !hs_result_surface(&maps, &volume->volume, &whole, &mesh, &err))
         return door_leave(NULL, &err, error);
-    *out = (svh_mesh){.size = sizeof *out,
-                      .vertex_count = mesh.size.vertices,
-                      .triangle_count = mesh.size.triangles,
-                      .vertices = &mesh.vertices[0][0],
-                      .triangles = &mesh.triangles[0][0]};
+    const svh_mesh own = {.vertex_count = mesh.size.vertices,
+                          .triangle_count = mesh.size.triangles,
+                          .vertices = &mesh.vertices[0][0],
+                          .triangles = &mesh.triangles[0][0]};
+    door_give(out, &own, sizeof own);
     return SVH_OK;
 }
 

@@ -116,7 +116,7 @@ static bool check_place(const svh_voxels *v, hs_error *err) {
 
 static bool check(const svh_voxels *v, hs_error *err) {
     uint64_t count = 1;
-    if (!door_check_size(v->size, sizeof *v, "svh_voxels", err) || !check_place(v, err)) return false;
+    if (!check_place(v, err)) return false;
     for (int a = 0; a < 3; a++) {
         if (v->n[a] < 1 || v->n[a] > HS_VOLUME_MAX_AXIS)
             return hs_fail(err, HS_ERR_INPUT, "the volume has %u voxels along %c, expected 1 .. %u", v->n[a],
@@ -204,33 +204,35 @@ static bool take(svh_volume *volume, const svh_voxels *given, hs_error *err) {
 
 int32_t svh_volume_take(svh_host *host, const svh_voxels *given, svh_volume **out, svh_error *error) {
     hs_error err = {0};
+    svh_voxels own;
     if (!DOOR_GIVEN(&err, host, given, out)) return door_leave(NULL, &err, error);
     *out = NULL;
     (void)pthread_mutex_lock(&host->lock);
-    svh_volume *volume = check(given, &err) ? door_volume(host, &err) : NULL;
-    door_hand_out(volume, volume && take(volume, given, &err), out);
+    const bool good = DOOR_TAKE(svh_voxels, &own, given, &err) && check(&own, &err);
+    svh_volume *volume = good ? door_volume(host, &err) : NULL;
+    door_hand_out(volume, volume && take(volume, &own, &err), out);
     return door_leave(host, &err, error);
 }
 
 int32_t svh_volume_about(const svh_volume *volume, svh_about *out, svh_error *error) {
     hs_error err = {0};
-    if (!DOOR_GIVEN(&err, volume, out) || !door_check_size(out->size, sizeof *out, "svh_about", &err))
+    if (!DOOR_GIVEN(&err, volume, out) || !DOOR_FITS(svh_about, out, &err))
         return door_leave(NULL, &err, error);
     const hs_volume *v = &volume->volume;
-    *out = (svh_about){.size = sizeof *out,
-                       .n = {v->nx, v->ny, v->nz},
-                       .spacing = {v->spacing[0], v->spacing[1], v->spacing[2]},
-                       .unsaid = v->spacing_unsaid,
-                       .levels = v->voxels,
-                       .low = volume->levels.low,
-                       .high = volume->levels.high,
-                       .outside = volume->levels.outside,
-                       .has_outside = volume->levels.has_outside,
-                       .has_beams = v->beams != NULL,
-                       .fitted = volume->fitted,
-                       .doubt = volume->doubt,
-                       .question = volume->question,
-                       .beams = volume->beams};
+    const svh_about own = {.n = {v->nx, v->ny, v->nz},
+                           .spacing = {v->spacing[0], v->spacing[1], v->spacing[2]},
+                           .unsaid = v->spacing_unsaid,
+                           .levels = v->voxels,
+                           .low = volume->levels.low,
+                           .high = volume->levels.high,
+                           .outside = volume->levels.outside,
+                           .has_outside = volume->levels.has_outside,
+                           .has_beams = v->beams != NULL,
+                           .fitted = volume->fitted,
+                           .doubt = volume->doubt,
+                           .question = volume->question,
+                           .beams = volume->beams};
+    door_give(out, &own, sizeof own);
     return SVH_OK;
 }
 

@@ -8,7 +8,9 @@
  *     svh_volume_take or svh_volume_read, svh_clip    for every volume
  *
  * STRUCTS begin with their size, which the caller sets to sizeof; all else may be 0. A struct that a function
- * fills in is an out, and has its size set all the same. Later versions add fields at the end.
+ * fills in is an out, and has its size set all the same. Later versions add fields at the end: a program and
+ * a library of two versions of 1.x go together. What the shorter struct lacks counts as 0, and is not
+ * written.
  *
  * ERRORS. A function that can fail returns a code, SVH_OK or one of host_sim's exit codes, and fills in
  * `error`, which may be NULL: one sentence with file, field and value. Another pointer that is NULL is
