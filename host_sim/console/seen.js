@@ -97,12 +97,16 @@ function placeProbe(mark, right, down, into) {
   mark.prepend(arrow);
 }
 
-/* Whether the slice is mirrored comes first, and where there is no room, what its letter means goes: nothing else is cut off. */
+const LONG_CAPTION = 24; /* letters: the narrowest slice has room for them */
+
+/* Whether the slice is mirrored comes first. Where there is no room, what its letter means goes, and how thick it is, which stands at its
+ * slider: nothing is cut off. */
 function nameSlice(caption, view, [mirrored, plane, thick]) {
   const title = TITLES[view], short = plane ? 1 : title.indexOf(" (");
   caption.replaceChildren(mirrored || "", title.slice(0, short), make("span", { class: "meaning", text: title.slice(short) }),
-    ...[plane, thick].filter(Boolean).map((one) => ", " + one));
+    plane ? ", " + plane : "", make("span", { class: "meaning", text: thick ? ", " + thick : "" }));
   caption.title = caption.textContent;
+  caption.classList.toggle("long", caption.title.length > LONG_CAPTION);
 }
 
 /* How every view lies to the probe, and in the patient, where the file says so. */

@@ -70,6 +70,25 @@ def nothing_moves(b, what):
     b.run("changed(false)", then="the page itself again")
 
 
+def no_caption_is_cut(b, what):
+    """Whatever is to be said of a slice, in whichever layout."""
+    for layout in ("quad", "all"):
+        cut = b.run("""
+            setLayout(arguments[0]);
+            state.thick = 2.5;
+            for (const view in look.turned) look.turned[view] = MIRRORED;
+            placeDirections({ ...lastFigures.source, patient: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], probe: [0, 0, -1] });
+            const captions = Object.keys(AXES).map((view) => canvases[view].caption), said = captions.map((one) => one.title);
+            const cut = captions.filter((one) => one.scrollWidth > one.clientWidth || one.scrollHeight > one.clientHeight || !one.innerText.startsWith("Mirrored: "));
+            state.thick = 0;
+            for (const view in look.turned) look.turned[view] = 0;
+            placeDirections(lastFigures.source);
+            cut.push(...captions.filter((one) => one.scrollWidth > one.clientWidth || !one.innerText.includes("plane (")));
+            return [cut.length, ...said];""", layout)
+        holds(cut[0] == 0 and "Mirrored: C plane (at depth), transverse, 2.5 mm thick" in cut, f"{what}: captions of {layout} are cut: {cut}")
+    b.run("setLayout('quad')", then="the quad again")
+
+
 def the_result_is_large(b, at, what):
     """Every layout, one key from the next, has the result and the surface position on the screen, and neither covers the other."""
     for layout, (views, widths) in LAYOUTS.items():
@@ -269,6 +288,7 @@ def main():
             what = f"{wide} x {high}"
             size(b, wide, high)
             the_result_is_large(b, i, what)
+            no_caption_is_cut(b, what)
             nothing_moves(b, what)
             for kind, touches in ((Hand, False), (Finger, True)):
                 b.devtools("Emulation.setTouchEmulationEnabled", enabled=touches, maxTouchPoints=5)
