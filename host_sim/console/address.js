@@ -95,7 +95,7 @@ function boxAt(address) {
   }, []);
 }
 
-const KNOWN = ["scene", "file", "from", "camera", "volume", "play", "cross", "thick", "light", "look", ...Object.keys(RENDER_RANGES), "a", "b", "marks", "box", "layout", "third",
+const KNOWN = ["scene", "file", "from", "camera", "volume", "play", "cross", "thick", "light", "look", ...Object.keys(RENDER_RANGES), "a", "b", "marks", "box", "layout", "plane", "third",
   "compare", "wipe", "turned", ...GREY];
 
 /* The address is read once, when the console has said what there is. Returns what was left out, by name. */
@@ -118,6 +118,7 @@ function readAddress(hello, text) {
   look.layout = address.word("layout", LAYOUTS, "quad");
   look.compare = address.word("compare", ["off", "side", "wipe"], "off");
   if (look.compare !== "off") state.lanes.push(laneIn(address, "b", hello.plugins.length, structuredClone(first)));
+  look.plane = address.word("plane", Object.keys(AXES), "across");
   look.third = address.word("third", ["truth", "depthmap"], "truth");
   look.wipe = Math.round(address.number("wipe", 0, 100, 50));
   const [across, along, deep] = address.numbers("turned", Array(3).fill([0, 7]), [0, 0, 0]).map(Math.round);

@@ -256,6 +256,7 @@ function startWithLess(text) {
 
 /* All controls as the settings are now. */
 function showSettings() {
+  at("plane").value = look.plane;
   at("third").value = look.third;
   at("compare").value = look.compare;
   at("wipe").value = String(look.wipe);
@@ -314,6 +315,7 @@ function listen() {
   at("index").addEventListener("input", () => { state.play.index = Number(at("index").value); play(false); });
   at("speed").addEventListener("input", () => { state.play.speed = Number(at("speed").value); showPlaying(); changed(false); });
   at("layout").addEventListener("change", () => setLayout(at("layout").value));
+  at("plane").addEventListener("change", () => { look.plane = at("plane").value; layOut(); changed(false); });
   at("third").addEventListener("change", () => { look.third = at("third").value; layOut(); changed(false); });
   at("compare").addEventListener("change", () => compare(at("compare").value));
   at("measure").addEventListener("click", () => measure(measured.on ? "" : at("measure-of").value));

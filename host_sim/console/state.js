@@ -23,8 +23,8 @@ const state = {
 };
 
 /* What only the page knows of: how it shows what it has. */
-const look = { layout: "quad", third: "truth", compare: "off", wipe: 50, gain: 1, contrast: 1, turned: { across: 0, along: 0, deep: 0 } };
-const LAYOUTS = ["single", "dual", "quad", "all"];
+const look = { layout: "quad", plane: "across", third: "truth", compare: "off", wipe: 50, gain: 1, contrast: 1, turned: { across: 0, along: 0, deep: 0 } };
+const LAYOUTS = ["single", "dual", "quad", "slice", "all"];
 const GREY = ["gain", "contrast"]; /* of the slices */
 
 /* Numbers with no more digits than a reader needs. */
@@ -75,6 +75,7 @@ function writeAddressNow() {
   });
   if (state.marks.length) at.set("marks", state.marks.map((mark) => mark.map(short).join(",")).join(";"));
   if (state.box.length) at.set("box", state.box.join(","));
+  if (look.plane !== "across") at.set("plane", look.plane);
   if (look.third !== "truth") at.set("third", look.third);
   if (look.compare !== "off") at.set("compare", look.compare);
   if (look.wipe !== 50) at.set("wipe", look.wipe);

@@ -31,13 +31,13 @@ function make(tag, attributes, ...children) {
 
 function renderedViews() {
   const third = look.third === "truth" && !hasTruth ? "depthmap" : look.third, side = look.compare === "side";
-  const results = side ? ["result", "other"] : look.layout === "single" || look.layout === "quad" ? ["result"] : ["full", "result"];
+  const results = side ? ["result", "other"] : ["single", "quad", "slice"].includes(look.layout) ? ["result"] : ["full", "result"];
   if (look.layout !== "all") return results;
   return side ? [...results, "full", third] : [...results, third];
 }
 
 function showsSlices() {
-  return look.layout === "quad" || look.layout === "all";
+  return ["quad", "slice", "all"].includes(look.layout);
 }
 
 function wantedViews() {
@@ -334,10 +334,13 @@ function layOut() {
   for (const view of shown) {
     canvases[view] = viewOf(view);
     (view in AXES ? slices : rendered).append(canvases[view].figure);
+    canvases[view].figure.classList.toggle("large", look.layout === "slice" && view === look.plane);
   }
   at("pictures").dataset.layout = look.layout;
   at("pictures").classList.toggle("two", look.compare === "side");
   at("third").parentElement.toggleAttribute("data-gone", look.layout !== "all");
+  at("third").parentElement.hidden = look.layout === "slice";
+  at("plane").parentElement.hidden = look.layout !== "slice";
   const other = viewOf("other");
   other.screen.append(other.canvas);
   other.canvas.removeAttribute("class");

@@ -7,13 +7,14 @@ import math
 import sys
 
 from console_client import holds
-from console_look import a_page, settle
+from console_look import a_page, choose, settle
 
 BUILD = sys.argv[1]
 ESCAPE = "\ue00c"
 SIZES = ((390, 844), (768, 1024), (1280, 800), (1440, 900))
 # What each layout shows, and how wide the result is at least at each size.
 LAYOUTS = {"quad": (["result", "across", "along", "deep"], (370, 540, 540, 640)),
+           "slice": (["result", "across", "along", "deep"], (110, 150, 150, 180)),
            "all": (["full", "result", "truth", "across", "along", "deep"], (370, 230, 270, 320)),
            "single": (["result"], (370, 660, 540, 640)), "dual": (["full", "result"], (370, 360, 410, 490))}
 LONG = "A message of many words, which a console has to say about a volume that cannot be read: " * 4
@@ -72,7 +73,7 @@ def nothing_moves(b, what):
 
 def no_caption_is_cut(b, what):
     """Whatever is to be said of a slice, in whichever layout."""
-    for layout in ("quad", "all"):
+    for layout in ("quad", "slice", "all"):
         cut = b.run("""
             setLayout(arguments[0]);
             state.thick = 2.5;
@@ -86,6 +87,19 @@ def no_caption_is_cut(b, what):
             cut.push(...captions.filter((one) => one.scrollWidth > one.clientWidth || !one.innerText.includes("plane (")));
             return [cut.length, ...said];""", layout)
         holds(cut[0] == 0 and "Mirrored: C plane (at depth), transverse, 2.5 mm thick" in cut, f"{what}: captions of {layout} are cut: {cut}")
+    b.run("setLayout('quad')", then="the quad again")
+
+
+def a_plane_is_large(b, at, what):
+    """That which is chosen, beside the others and the result."""
+    b.run("setLayout('slice')", then="a plane large")
+    for plane in ("deep", "along", "across"):
+        choose(b, "plane", plane, then="another plane")
+        widths = b.run("return Object.fromEntries(Object.keys(canvases).map((view) => [view, canvases[view].screen.getBoundingClientRect().width]))")
+        large = widths.pop(plane)
+        holds(large >= LAYOUTS["quad"][1][at] and large > 2.5 * max(widths.values()) and len(widths) == 3, f"{what}: {plane} is {large} wide, {widths}")
+    b.wait_for("location.hash.includes('layout=slice') && !location.hash.includes('plane=')", f"{what}: the usual plane's address")
+    holds(b.run("return at('third').checkVisibility()") is False, f"{what}: a third view is offered that is not there")
     b.run("setLayout('quad')", then="the quad again")
 
 
@@ -288,6 +302,7 @@ def main():
             what = f"{wide} x {high}"
             size(b, wide, high)
             the_result_is_large(b, i, what)
+            a_plane_is_large(b, i, what)
             no_caption_is_cut(b, what)
             nothing_moves(b, what)
             for kind, touches in ((Hand, False), (Finger, True)):
