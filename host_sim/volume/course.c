@@ -23,13 +23,17 @@ void hs_probe_axes(const hs_volume *v, hs_probe face, double out[9]) {
     for (size_t k = 0; k < 3; k++) out[k * 3] = 0.0 - out[k * 3];
 }
 
-void hs_course_take_said(hs_volume *v) {
+/* How far before the face of the volume that has the probe a place lies, mm. */
+static double before_face(const hs_volume *v, const double place[3]) {
     const double n[3] = {v->nx, v->ny, v->nz};
     const int axis = 2 - (int)v->probe / 2, is_high = (int)v->probe % 2;
-    const double along = is_high ? v->apex[axis] - n[axis] * v->spacing[axis] : 0.0 - v->apex[axis];
+    return is_high ? place[axis] - n[axis] * v->spacing[axis] : 0.0 - place[axis];
+}
+
+void hs_course_take_said(hs_volume *v) {
     v->course.kind = HS_BEAMS_FAN;
     memcpy(v->course.apex, v->apex, sizeof v->apex);
-    v->course.face = fmax(along, 0.0);
+    v->course.face = fmax(before_face(v, v->apex), 0.0);
 }
 
 void hs_course_words(const hs_volume *v, char *out, size_t bytes) {
@@ -75,10 +79,10 @@ void hs_course_find_noise(hs_volume *v) {
 
 static bool doubts_size(const hs_volume *v, char *out, size_t bytes) {
     const uint32_t count[3] = {v->nx, v->ny, v->nz};
+    const double wide = sv_lengths_widest(count, v->spacing);
     char question[SV_LENGTHS_TEXT_BYTES];
-    return !v->beams && v->course.kind == HS_BEAMS_FAN &&
-           sv_lengths_doubt_fan(sv_lengths_widest(count, v->spacing), v->course.face, question,
-                                sizeof question) &&
+    return !v->beams && v->course.kind == HS_BEAMS_FAN && sv_lengths_doubts_fan(wide, v->course.face) &&
+           sv_lengths_tell_fan(wide, before_face(v, v->course.apex), question, sizeof question) &&
            hs_spacing_words(question, out, bytes);
 }
 

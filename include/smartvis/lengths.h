@@ -74,17 +74,25 @@ static inline int sv_lengths_doubt(const uint32_t *count, const double *mm, char
                     wide, count[thin] * mm[thin], "xyz"[thin]) > 0;
 }
 
-/* The same of a fan whose lines begin at this radius. */
+/* 1 if a fan whose lines begin at this radius is doubted. */
+static inline int sv_lengths_doubts_fan(double wide, double face) {
+    return (wide < SV_LENGTHS_SMALL && face > SV_LENGTHS_INSIDE && face < SV_LENGTHS_LOW_FACE) ||
+           wide > SV_LENGTHS_LARGEST ||
+           (wide > SV_LENGTHS_LARGE && face > SV_LENGTHS_HIGH_FACE && face < SV_LENGTHS_FLAT_FACE);
+}
+
+/* The question about it. `before`: how far before the volume its lines meet, which everybody can tell; where
+ * the volume begins at the face's rim, that is less than the radius. */
+static inline int sv_lengths_tell_fan(double wide, double before, char *text, size_t bytes) {
+    return snprintf(text, bytes,
+                    "the scan is %.0f mm wide, and its lines meet %.0f mm before the volume: is the spacing "
+                    "right?",
+                    wide, before) > 0;
+}
+
+/* Both, of a volume that begins where the lines do. */
 static inline int sv_lengths_doubt_fan(double wide, double face, char *text, size_t bytes) {
-    const int halved = wide < SV_LENGTHS_SMALL && face > SV_LENGTHS_INSIDE && face < SV_LENGTHS_LOW_FACE;
-    const int doubled =
-        wide > SV_LENGTHS_LARGEST ||
-        (wide > SV_LENGTHS_LARGE && face > SV_LENGTHS_HIGH_FACE && face < SV_LENGTHS_FLAT_FACE);
-    return (halved || doubled) &&
-           snprintf(text, bytes,
-                    "the scan is %.0f mm wide, and its fan begins %.0f mm from where its lines meet: is the "
-                    "spacing right?",
-                    wide, face) > 0;
+    return sv_lengths_doubts_fan(wide, face) && sv_lengths_tell_fan(wide, face, text, bytes);
 }
 
 static inline void sv_lengths_of(const sv_format *f, uint32_t *count, double *mm) {

@@ -7,6 +7,7 @@
  * twelve random scalings each, from a stated face and from none; real ones where they are at hand.
  * Requirement: R13.
  */
+#include "smartvis/lengths.h"
 #include "support/fan_fixture.h"
 #include "support/scene_fixture.h"
 #include "volume/fan_fit.h"
@@ -153,4 +154,24 @@ static void wrong_spacing_is_not_passed_over(void **state) {
     assert_true(good);
 }
 
-UNIT_MAIN(NULL, NULL, wrong_spacing_is_not_passed_over)
+/* A plugin is told the apex and the volume, not the radius, which is larger where the volume begins at the
+ * face's rim: both say where the lines meet by what both know. */
+static void plugin_and_host_say_one_distance(void **state) {
+    (void)state;
+    hs_volume v = {.nx = 100, .ny = 100, .nz = 80, .spacing = {0.5, 0.5, 0.5}, .probe = HS_PROBE_LOW_Z};
+    v.course = (hs_course){.kind = HS_BEAMS_FAN, .face = 38.0, .apex = {25.0, 25.0, -30.0}};
+    const sv_format format = {
+        .size = sizeof format, .width = 100, .height = 100, .slices = 80, .spacing_mm = {0.5f, 0.5f, 0.5f}};
+    const sv_frame frame = {.size = sizeof frame,
+                            .beams = SV_BEAMS_FAN,
+                            .probe_rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                            .beam_apex_mm = {24.75f, 24.75f, -30.25f}}; /* from the first voxel's centre */
+    char host[160], plugin[SV_LENGTHS_TEXT_BYTES];
+    hs_course_question(&v, host, sizeof host);
+    assert_true(sv_lengths_doubt_frame(&format, &frame, plugin, sizeof plugin));
+    assert_string_equal(plugin, "the scan is 50 mm wide, and its lines meet 30 mm before the volume: is the "
+                                "spacing right?");
+    assert_true(host[0] == 'T' && strncmp(host + 1, plugin + 1, strlen(plugin + 1)) == 0);
+}
+
+UNIT_MAIN(NULL, NULL, wrong_spacing_is_not_passed_over, plugin_and_host_say_one_distance)

@@ -400,13 +400,11 @@ static void lengths_of_no_scan_are_doubted(void **state) {
         {{0.375f, 0.375f, 0.375f},
          25,
          128,
-         "begin: the scan is 48 mm wide, and its fan begins 25 mm from where its lines meet: is the spacing "
-         "right?"},
+         "begin: the scan is 48 mm wide, and its lines meet 25 mm before the volume: is the spacing right?"},
         {{1.5f, 1.5f, 1.5f},
          120,
          128,
-         "begin: the scan is 192 mm wide, and its fan begins 120 mm from where its lines meet: is the "
-         "spacing "
+         "begin: the scan is 192 mm wide, and its lines meet 120 mm before the volume: is the spacing "
          "right?"},
         {{0.5f, 0.5f, 0.5f}, 11, 128, ""}, /* a probe within the body */
     };
