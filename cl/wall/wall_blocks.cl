@@ -221,16 +221,17 @@ static void find_beams(const sv_wall_grid *g, __global const uint *tables, uint 
 }
 
 typedef struct __attribute__((packed)) {
-    ushort v;
-} ushort_unaligned;
+    uint v;
+} uint_unaligned;
 
-/* Loads neighbouring blocks at 16 places: the one behind is the higher byte. */
+/* Loads neighbouring blocks at 16 places: the one behind is the higher byte. Words of 32 bits with signed
+ * indices become gathers where the processor has them; shorter words are loaded one by one. */
 static uint16 load_pairs(__global const uchar *camera, uint16 places) {
-    uint16 pairs;
+    uint16 words;
     TABLE_LOADS
     for (uint i = 0; i < SV_LANES; i++)
-        ((uint *)&pairs)[i] = ((__global const ushort_unaligned *)(camera + ((const uint *)&places)[i]))->v;
-    return pairs;
+        ((uint *)&words)[i] = ((__global const uint_unaligned *)(camera + ((const int *)&places)[i]))->v;
+    return words & 0xffffu;
 }
 
 /* Interpolates between such neighbours; a block that was not scanned counts as the nearest one. */
