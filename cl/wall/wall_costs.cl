@@ -31,15 +31,13 @@ typedef struct {
 /* The state of the two rows of rays that HALF cells have. */
 typedef struct {
     rays_t rays[2];
-    size_t level_pitch, cell_pitch;     /* from one layer to the next */
-    bool bare;                          /* there is no wall */
-    __global const uchar *brightness;   /* of the first layer */
-    __global const ulong *flags;        /* of the first layer */
-    size_t word_pitch;                  /* from one word of `flags` to the next */
-    __global const uint *by_brightness; /* of every brightness */
-    /* For every layer with tissue before `certain_from`: the cells' probabilities by brightness, of a later
-     * run * 65536 + of a first run. */
-    __global u32h *by_layer;
+    size_t level_pitch, cell_pitch;   /* from one layer to the next */
+    bool bare;                        /* there is no wall */
+    __global const uchar *brightness; /* of the first layer */
+    __global const ulong *flags;      /* of the first layer */
+    size_t word_pitch;                /* from one word of `flags` to the next */
+    /* of every brightness: the probability of a later run * 65536 + of a first run */
+    __global const uint *by_brightness;
     extent_t layers;   /* those in which costs change from one to the next */
     uint certain_from; /* from this layer on the fetus has begun on all scanned rays; at least 1, because
                           cutting at depth 0 may cost nothing */
@@ -69,10 +67,13 @@ static u16l certainty_of(const sv_wall_layout *l, u8l level, i16l known) {
 }
 
 /* Looks up the probabilities of the brightnesses of HALF cells. */
-static void find_probabilities(const cell_rays_t *s, uint z) {
-    __global const uchar *brightness = s->brightness + z * s->cell_pitch;
-    ROLLED_LOADS
-    for (uint i = 0; i < HALF; i++) ((__global uint *)(s->by_layer + z))[i] = s->by_brightness[brightness[i]];
+static u32h look_up(const cell_rays_t *s, uint z) {
+    const u32h brightness = HALF_TO_U32(*(__global const u8h *)(s->brightness + z * s->cell_pitch));
+    u32h found;
+    TABLE_LOADS
+    for (uint i = 0; i < HALF; i++) /* signed indices need no wider ones */
+        ((uint *)&found)[i] = s->by_brightness[((const int *)&brightness)[i]];
+    return found;
 }
 
 /* The state of the forward pass: the probability that the fetus has not begun before this run, and so far;
@@ -96,7 +97,7 @@ static i32h has_bit(u32h flags, uint bit) {
 static u32h probabilities_at(const sv_wall_layout *l, const cell_rays_t *s, uint z, u32h *floats) {
     u8h cells;
     for (uint i = 0; i < WORDS_OF_HALF; i++) ((ulong *)&cells)[i] = s->flags[i * s->word_pitch + z];
-    const u32h looked_up = s->by_layer[z], flags = HALF_TO_U32(cells);
+    const u32h looked_up = look_up(s, z), flags = HALF_TO_U32(cells);
     const u32h any = looked_up >> 16u, first = looked_up & 0xffffu;
     const u32h part =
         ((any - first) * l->one_side + (uint)(SV_WALL_PROBABILITY_ONE / 2)) / (uint)SV_WALL_PROBABILITY_ONE;
@@ -194,16 +195,6 @@ static void forward_end(const sv_wall_layout *l, rays_t *r, forward_t *w) {
     r->front = SELECT(r->front, (i16l)((short)SV_WALL_NO_FRONT), no_front);
 }
 
-/* Loads the levels of both rows in layer z, and looks up the probabilities of tissue a layer ahead: what was
- * just stored is slow to load. */
-static void load_levels(const sv_wall_layout *l, const cell_rays_t *s, uint z, u8l levels[2]) {
-    levels[0] = levels[1] = (u8l)(0);
-    if (z == s->layers.to) return;
-    UNROLL for (uint i = 0; i < 2; i++) levels[i] = level_at(s, &s->rays[i], z);
-    if (s->certain_from == l->layers && any_byte(tissue_of(levels[0]) | tissue_of(levels[1])))
-        find_probabilities(s, z);
-}
-
 /* Accumulates the probability in layer z, and the doubt. Once the fetus has begun on all rays, neither
  * changes any more. */
 static void forward_layer(const sv_wall_layout *l, cell_rays_t *s, uint z, const u8l levels[2],
@@ -228,13 +219,11 @@ static void forward_layer(const sv_wall_layout *l, cell_rays_t *s, uint z, const
 static void forward_pass(const sv_wall_layout *l, cell_rays_t *s) {
     rays_t *const r = s->rays;
     forward_t w[2];
-    u8l next[2];
     s->certain_from = l->layers;
     UNROLL for (uint i = 0; i < 2; i++) forward_begin(l, &r[i], &w[i]);
-    load_levels(l, s, s->layers.from, next);
     for (uint z = s->layers.from; z < s->layers.to; z++) {
-        const u8l levels[2] = {next[0], next[1]}, tissue[2] = {tissue_of(next[0]), tissue_of(next[1])};
-        load_levels(l, s, z + 1, next);
+        const u8l levels[2] = {level_at(s, &r[0], z), level_at(s, &r[1], z)};
+        const u8l tissue[2] = {tissue_of(levels[0]), tissue_of(levels[1])};
         if (s->certain_from == l->layers) forward_layer(l, s, z, levels, tissue, w);
         UNROLL for (uint i = 0; i < 2; i++) forward_fluid(l, &r[i], z, tissue[i], &w[i]);
     }
@@ -375,8 +364,7 @@ __kernel void wall_costs(sv_wall_layout l, uint scratch_words, __global const ui
                      .word_pitch = padded_layers_of(&l),
                      .bare = info[SV_WALL_INFO_BARE] != 0,
                      .by_brightness = info + SV_WALL_INFO_PROBABILITIES};
-    s.by_layer = (__global u32h *)(scratch + (size_t)row * scratch_words);
-    s.rays[0].fetus_at = (__global u16l *)(s.by_layer + l.layers);
+    s.rays[0].fetus_at = (__global u16l *)(scratch + (size_t)row * scratch_words);
     s.rays[1].fetus_at = s.rays[0].fetus_at + l.layers;
     s.rays[0].near_at = (__global u8l *)(s.rays[1].fetus_at + l.layers);
     s.rays[1].near_at = s.rays[0].near_at + l.layers;

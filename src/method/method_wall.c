@@ -34,13 +34,13 @@ static size_t padded_columns(const sv_wall_layout *l) {
     return sv_wall_lanes_of(l->columns);
 }
 
-/* Returns the words of 32 bits of scratch memory per row. By rows, in whole vectors: wall_costs needs 8
+/* Returns the words of 32 bits of scratch memory per row. By rows, in whole vectors: wall_costs needs 6
  * bytes a layer for each of SV_WALL_LANES rays, wall_blocks two lines of pixels' ranges and three lines of
  * levels, wall_bright and wall_blur two lines of cells. By items, wall_items_costs needs 5 bytes a block,
  * which is more than the 4 bytes a cell of wall_items_blur_y. */
 static size_t scratch_words(const sv_map *m, const sv_wall_layout *l) {
     if (by_items(m)) return (size_t)5 * l->layers * padded_columns(l) / sizeof(cl_uint);
-    const size_t layers = (size_t)2 * l->layers * SV_WALL_LANES;
+    const size_t layers = (size_t)6 * l->layers * SV_WALL_LANES / sizeof(cl_uint);
     const size_t cells = 2 * padded_columns(l) + (size_t)4 * SV_WALL_KERNEL;
     const size_t pixels = sv_wall_lanes_of(l->width) + (size_t)2 * SV_WALL_MAX_NEIGHBOUR;
     const size_t lines = cells > pixels ? cells : pixels;
