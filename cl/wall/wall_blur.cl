@@ -2,8 +2,8 @@
 /*
  * The lateral Gaussian over the costs of cells. Beyond the border the cell at the border counts.
  */
-#ifndef SV_WALL_LANES_CLH
-#include "wall/wall_lanes.clh"
+#ifndef SV_WALL_SCANNED_CLH
+#include "wall/wall_scanned.clh"
 #endif
 
 #pragma OPENCL FP_CONTRACT ON /* every sum here is exact */
@@ -60,20 +60,35 @@ static void sum_columns(const sv_wall_layout *l, __global const float *line, __g
     to[l->cells[0]] = to[l->cells[0] - 1];
 }
 
+/* Gives other layers of a row what layer `z` has. */
+static void repeat_layer(const sv_wall_layout *l, uint z, extent_t layers, uint row, __global ushort *fine) {
+    __global const ushort *same = fine + fine_row(l, z, row);
+    for (uint to = layers.from; to < layers.to; to++) {
+        __global ushort *copy = fine + fine_row(l, to, row);
+        for (uint x = 0; x < padded_cells_of(l); x += LANES)
+            *(__global u16l *)(copy + x) = *(__global const u16l *)(same + x);
+        copy[-1] = same[-1];
+        copy[l->cells[0]] = same[l->cells[0]];
+    }
+}
+
 /* One work item per row of cells. `scratch`: words of 32 bits, scratch_words a row. */
 __kernel void wall_blur(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
-                        __global const ushort *restrict costs, __global uint *restrict scratch,
-                        __global ushort *restrict fine) {
+                        __global const ushort *restrict costs, __global ushort *restrict rays,
+                        __global uint *restrict scratch, __global ushort *restrict fine) {
     const uint row = (uint)get_global_id(0), pitch = padded_cells_of(&l) + 2 * LINE_MARGIN;
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     /* two lines alternate, for a vector that was just stored is slow to load in parts */
     __global float *lines = (__global float *)(scratch + (size_t)row * scratch_words) + LINE_MARGIN;
     rows_t rows;
     find_rows(&l, (int)row, &rows);
-    for (uint z = 0; z <= l.layers; z++) {
-        if (z < l.layers) sum_rows_of(&l, costs + cell_row(&l, z, 0), &rows, lines + (z & 1) * pitch);
-        if (z > 0) sum_columns(&l, lines + (~z & 1) * pitch, fine + fine_row(&l, z - 1, row));
+    const extent_t layers = changing_near(&l, rays, row, l.reach_y);
+    for (uint z = layers.from; z <= layers.to; z++) {
+        if (z < layers.to) sum_rows_of(&l, costs + cell_row(&l, z, 0), &rows, lines + (z & 1) * pitch);
+        if (z > layers.from) sum_columns(&l, lines + (~z & 1) * pitch, fine + fine_row(&l, z - 1, row));
     }
+    repeat_layer(&l, layers.from, (extent_t){0, layers.from}, row, fine);
+    repeat_layer(&l, layers.to - 1, (extent_t){layers.to, l.layers}, row, fine);
 }
 
 #pragma OPENCL FP_CONTRACT OFF

@@ -324,15 +324,6 @@ static void backward_pass(const sv_wall_layout *l, const cell_rays_t *s, __globa
     repeat_costs(s, costs, s->layers.to - 1, (extent_t){s->layers.to, l->layers});
 }
 
-/* Returns the layers outside of which the costs of rays do not change any more. Behind the scan there is no
- * tissue, and from a full distance on the distance costs the same. In front of it there is a skin's depth in
- * which the first run still counts. */
-static extent_t changing_layers(const sv_wall_layout *l, extent_t scanned) {
-    const uint in_front = max(l->full_distance, l->skin + 1);
-    return (extent_t){scanned.from - min(scanned.from, in_front),
-                      min(scanned.to + l->full_distance + 1, l->layers)};
-}
-
 static void load_rays(const sv_wall_layout *l, __global ushort *rays, uint x, uint row, rays_t *r) {
     r->first = AS_I16(ray_row(rays, l, RAY_FIRST, row)[x]);
     r->end = AS_I16(ray_row(rays, l, RAY_END, row)[x]);

@@ -3,8 +3,8 @@
  * From costs to the cheapest layer of every ray: the costs of rays between cells, the minimum, the mean
  * around it, and how far around it the knob may move the surface.
  */
-#ifndef SV_WALL_LANES_CLH
-#include "wall/wall_lanes.clh"
+#ifndef SV_WALL_SCANNED_CLH
+#include "wall/wall_scanned.clh"
 #endif
 
 /* Multiplies by three; a multiplication takes ten cycles. */
@@ -27,11 +27,12 @@ static u16l between_cells(__global const ushort *own, __global const ushort *oth
     return REINTERPRET(left | right << 16u, u16l); /* neighbours share a word */
 }
 
-/* Finds the cheapest layer of LANES rays; of several equal ones the nearest to the viewer. */
-static u16l minimum_layer(const sv_wall_layout *l, __global const u16l *costs, u16l *minimum) {
+/* Finds the cheapest layer of LANES rays; of several equal ones the nearest to the viewer. Outside of
+ * `changing` no cost differs from the next. */
+static u16l minimum_layer(__global const u16l *costs, extent_t changing, u16l *minimum) {
     u16l best = (u16l)(0);
-    *minimum = costs[0];
-    for (uint z = 1; z < l->layers; z++) {
+    *minimum = costs[changing.from];
+    for (uint z = changing.from + 1; z < changing.to; z++) {
         const u16l cost = costs[z];
         const u16l less = AS_U16(cost < *minimum);
         *minimum = MINIMUM(*minimum, cost);
@@ -120,10 +121,11 @@ static void find_ends(const sv_wall_layout *l, const window_t *w, __global const
 }
 
 /* Finds the minima of LANES rays, and what they cost. `planes`: where they lie in the first plane. */
-static void find_minima(const sv_wall_layout *l, __global const u16l *costs, __global float *planes) {
+static void find_minima(const sv_wall_layout *l, __global const u16l *costs, extent_t changing,
+                        __global float *planes) {
     const size_t plane = plane_row(l, 1, 0);
     u16l minimum;
-    const u16l best = minimum_layer(l, costs, &minimum);
+    const u16l best = minimum_layer(costs, changing, &minimum);
     const window_t w = window_of(l, costs, best, minimum + (ushort)max(l->average_margin, l->knob_margin));
     const f32l mean = mean_around(&w, costs, best, minimum + (ushort)l->average_margin);
     *(__global f32l *)(planes + PLANE_LAYER * plane) = mean;
@@ -132,18 +134,30 @@ static void find_minima(const sv_wall_layout *l, __global const u16l *costs, __g
               (__global f32l *)(planes + PLANE_NEAR * plane), (__global f32l *)(planes + PLANE_FAR * plane));
 }
 
+/* Finds the costs of LANES rays of a row. Outside of `changing` they are those of its first and last layer.
+ */
+static void find_costs(const sv_wall_layout *l, __global const ushort *fine, uint row, uint x,
+                       extent_t changing, __global u16l *costs) {
+    const uint beside = cell_beside(row, l->cells[1]);
+    for (uint z = changing.from; z < changing.to; z++)
+        costs[z] = between_cells(fine + fine_row(l, z, row / 2) + x * HALF,
+                                 fine + fine_row(l, z, beside) + x * HALF);
+    const u16l before = costs[changing.from], behind = costs[changing.to - 1];
+    for (uint z = 0; z < changing.from; z++) costs[z] = before;
+    for (uint z = changing.to; z < l->layers; z++) costs[z] = behind;
+}
+
 /* One work item per row of rays. `scratch`: words of 32 bits, scratch_words a row. `planes`: the planes of
  * the layers, and of the ends around them. */
 __kernel void wall_minimum(sv_wall_layout l, uint scratch_words, __global const uint *restrict info,
-                           __global const ushort *restrict fine, __global uint *restrict scratch,
-                           __global float *restrict planes) {
-    const uint row = (uint)get_global_id(0), beside = cell_beside(row, l.cells[1]);
+                           __global const ushort *restrict fine, __global ushort *restrict rays,
+                           __global uint *restrict scratch, __global float *restrict planes) {
+    const uint row = (uint)get_global_id(0);
     if (info[SV_WALL_INFO_OUTCOME] != SV_WALL_SURFACE) return;
     __global u16l *costs = (__global u16l *)(scratch + (size_t)row * scratch_words);
+    const extent_t changing = changing_near(&l, rays, row / 2, l.reach_y + 1);
     for (uint x = 0; x < vectors_of(&l); x++) {
-        for (uint z = 0; z < l.layers; z++)
-            costs[z] = between_cells(fine + fine_row(&l, z, row / 2) + x * HALF,
-                                     fine + fine_row(&l, z, beside) + x * HALF);
-        find_minima(&l, costs, planes + plane_row(&l, 0, row) + x * LANES);
+        find_costs(&l, fine, row, x, changing, costs);
+        find_minima(&l, costs, changing, planes + plane_row(&l, 0, row) + x * LANES);
     }
 }
