@@ -33,22 +33,43 @@ typedef struct {
     ulong scanned, tissue, dark, skipped;
 } bits_t;
 
+/* Returns a bit for each of 16 lanes of a mask. The product moves the lowest bits of eight bytes next to each
+ * other. */
+static ulong bits_of_lanes(char16 mask) {
+    const ulong2 bits = (as_ulong2(mask) & 0x0101010101010101UL) * 0x0102040810204080UL >> 56UL;
+    return bits.s0 | bits.s1 << 8;
+}
+
 static bits_t bits_of(const sv_wall_layout *l, __global const uchar *grey, __global const uchar *relative,
                       __global const ushort *rays, uint z, uint row) {
-    __global const uchar *const level = relative + level_row(l, z, row);
+    __global const uchar *const levels = relative + level_row(l, z, row);
     __global const uchar *const own = grey + level_row(l, z, row);
     __global const ushort *const first = rays + block_row(l, RAY_FIRST, row);
     __global const ushort *const end = rays + block_row(l, RAY_END, row);
+    const ulong lines = ~0UL >> (SV_WALL_LINES - l->columns);
     bits_t b = {0, 0, 0, 0};
-    for (uint x = 0; x < l->columns; x++) {
-        b.scanned |= (ulong)((z >= first[x]) & (z < end[x])) << x;
-        b.tissue |= (ulong)(level[x] > SV_WALL_TISSUE) << x;
-        b.dark |= (ulong)(level[x] <= l->dim) << x;
-        b.skipped |= (ulong)((z < first[x]) & (own[x] > 0)) << x;
+    for (uint x = 0; x < l->columns; x += 16) {
+        const uchar16 level = vload16(0, levels + x);
+        const short16 behind = as_short16(vload16(0, first + x)) <= (short16)((short)z);
+        const short16 before = as_short16(vload16(0, end + x)) > (short16)((short)z);
+        b.scanned |= bits_of_lanes(convert_char16(behind & before)) << x;
+        b.tissue |= bits_of_lanes(level > (uchar16)(SV_WALL_TISSUE)) << x;
+        b.dark |= bits_of_lanes(level <= (uchar16)((uchar)l->dim)) << x;
+        b.skipped |= bits_of_lanes(~convert_char16(behind) & (vload16(0, own + x) > (uchar16)(0))) << x;
     }
+    b.scanned &= lines;
     b.tissue &= b.scanned;
     b.dark &= b.scanned;
+    b.skipped &= lines;
     return b;
+}
+
+/* Returns the layer from which on nothing of a plane of beams was scanned. */
+static uint end_of_row(const sv_wall_layout *l, __global const ushort *rays, uint row) {
+    __global const ushort *const end = rays + block_row(l, RAY_END, row);
+    uint last = 0;
+    for (uint x = 0; x < l->columns; x++) last = max(last, (uint)end[x]);
+    return last;
 }
 
 /* Drops runs that are longer than `most`: where `most` more follow, a run is, and so is its rest. */
@@ -73,9 +94,11 @@ __kernel void wall_between(sv_wall_layout l, __global const uint *restrict info,
     __global ulong *const source = limbs + limb_column(&l, SV_WALL_LIMBS_SOURCE, row);
     __global ulong *const between = limbs + limb_column(&l, SV_WALL_LIMBS_FLOAT, row);
     __global ulong *const near = limbs + limb_column(&l, SV_WALL_LIMBS_NEAR, row);
+    const uint scanned_to = end_of_row(&l, rays, row);
     ulong wall = ~0UL, behind = 0;
     for (uint z = 0; z < l.layers; z++) {
-        const bits_t b = bits_of(&l, grey, relative, rays, z, row);
+        bits_t b = {0, 0, 0, 0};
+        if (z < scanned_to) b = bits_of(&l, grey, relative, rays, z, row);
         wall &= ~b.dark;
         tissue[z] = b.tissue & wanted;
         near[z] = b.skipped & wanted;
