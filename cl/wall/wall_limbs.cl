@@ -180,11 +180,15 @@ __kernel void wall_mark_cells(sv_wall_layout l, sv_wall_grid g, uint plane_of_wo
                               __global const uint *restrict tables, __global const ulong *restrict limbs,
                               __global uint *restrict flags) {
     const uint line = (uint)get_global_id(0), plane = (uint)get_global_id(1);
-    if (line >= g.lines) return;
-    ulong any = 0;
+    __local ulong any; /* a group has lines of one plane */
     limbs += ((size_t)plane_of_words * g.planes + plane) * g.samples;
-    for (uint k = 0; k < g.samples; k++) any |= limbs[k];
-    if (!(any >> line & 1)) return;
+    if (get_local_id(0) == 0) {
+        ulong all = 0;
+        for (uint k = 0; k < g.samples; k++) all |= limbs[k];
+        any = all;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (line >= g.lines || !(any >> line & 1)) return;
     const beam_t b = beam_of(&g, tables, line, plane);
     for (uint k = b.first; k < g.samples; k++)
         if (limbs[k] >> line & 1) mark_sample(&l, &g, &b, k, flags);
