@@ -83,7 +83,7 @@ static uint level_on_beam(const sv_wall_grid *g, __global const uchar *camera, c
     const between_blocks_t z = find_blocks(at[2], g->layers);
     const size_t layer = camera_layer_pitch(g), row = camera_row_pitch(g);
     const uint up = SV_WALL_PART_ONE / 2;
-    camera += MARGIN + y.low * row + z.low * layer + x.low;
+    camera += SV_WALL_BESIDE + y.low * row + z.low * layer + x.low;
     const uint nearest = camera[(y.part >= up) * row + (z.part >= up) * layer + (x.part >= up)];
     uint sum = 0;
     for (uint i = 0; i < 8; i++) {

@@ -260,7 +260,7 @@ static uint16 levels_on_beams(const sv_wall_grid *g, __global const uchar *camer
         part[a] = (clamped & (uint)((1 << SV_WALL_POSITION_BITS) - 1)) * one >> (uint)SV_WALL_POSITION_BITS;
     }
     if (!any(inside)) return (uint16)(0);
-    const uint16 at = MARGIN + low[1] * row + low[2] * layer + low[0];
+    const uint16 at = SV_WALL_BESIDE + low[1] * row + low[2] * layer + low[0];
     const uint16 here = load_pairs(camera, at), below = load_pairs(camera, at + row);
     const uint16 behind = load_pairs(camera, at + layer), both = load_pairs(camera, at + row + layer);
     const int16 up_y = part[1] >= one / 2, up_z = part[2] >= one / 2;

@@ -16,6 +16,7 @@
 #define SV_WALL_FINE_COST_ONE   2048  /* a cost of 1 after the Gaussian */
 #define SV_WALL_PER_MILLE       1000  /* shares and ranks of the settings */
 #define SV_WALL_LANES           32    /* rows of blocks, rays and cells are padded to a multiple of this */
+#define SV_WALL_BESIDE          32    /* zeros beside rows of levels: as many as lanes, so these lie well */
 #define SV_WALL_LAYERS          8     /* layers of the cells' classes are padded to a multiple of this */
 #define SV_WALL_BLOCK           10    /* voxels along a side of a block, at most */
 #define SV_WALL_SPAN            12    /* voxels that a side of a block touches, at most */

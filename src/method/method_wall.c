@@ -69,7 +69,7 @@ static sv_wall_own own_of(const sv_map *m) {
 
 /* Finds the bytes of the buffers that every grid has: a camera's, or the one along the beams. */
 static void find_bytes(const sv_map *m, const sv_wall_layout *l, size_t bytes[SV_WALL_BUFFERS]) {
-    const size_t plane = padded_columns(l) * l->rows, margin = SV_WALL_MAX_NEIGHBOUR;
+    const size_t plane = padded_columns(l) * l->rows, margin = SV_WALL_BESIDE;
     const size_t cells = sv_wall_lanes_of(l->cells[0]) * l->cells[1] * l->layers;
     const size_t fine = margin + (sv_wall_lanes_of(l->cells[0]) + margin) * l->cells[1] * l->layers;
     const size_t level_row = padded_columns(l) + margin;
