@@ -64,8 +64,10 @@ __kernel void wall_bright(sv_wall_layout l, uint scratch_words, __global const u
 /* Sums over the windows of a layer in rows near `row`. */
 static u32h sum_rows_near(const sv_wall_layout *l, __global const uint *windows, uint z, uint row, uint x) {
     const uint from = row - min(row, l->window[1]), to = min(row + l->window[1], l->cells[1] - 1);
+    const size_t pitch = cell_row(l, 0, 1);
     u32h sum = (u32h)(0);
-    for (uint y = from; y <= to; y++) sum += *(__global const u32h *)(windows + cell_row(l, z, y) + x);
+    windows += cell_row(l, z, from) + x;
+    for (uint y = from; y <= to; y++, windows += pitch) sum += *(__global const u32h *)windows;
     return sum;
 }
 
