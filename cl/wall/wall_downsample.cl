@@ -25,8 +25,9 @@ static uchar16 bytes16_of(short16 mask) {
 /* A row of cells, its two rows of rays, and the pixels that they are made of. */
 typedef struct {
     uint row;
-    uint first_row, rows;               /* of pixels that lie in their blocks */
-    ushort weight[2][2 * SV_WALL_SPAN]; /* of each of them for the two rows of rays */
+    uint first_row, rows; /* of pixels that lie in their blocks */
+    /* of each of them for the two rows of rays, twice in a word: such words are quicker to repeat */
+    uint weight[2][2 * SV_WALL_SPAN];
     /* Sums of pixels of each row of rays, with MEANS_MARGIN words in front of and behind them. Two layers
      * alternate, for a vector that was just stored is slow to load in parts. */
     __global ushort *sums[2][2];
@@ -123,7 +124,7 @@ static void weigh_rows(__global const sv_wall_span *spans, strip_t *s) {
         for (uint y = 0; y < s->rows; y++) {
             const uint at =
                 s->first_row + y - spans[r].first; /* wraps to a huge number in front of the span */
-            s->weight[r][y] = at < spans[r].count ? spans[r].weight[at] : (ushort)0;
+            s->weight[r][y] = at < spans[r].count ? spans[r].weight[at] * 0x10001u : 0u;
         }
 }
 
@@ -168,14 +169,22 @@ static u16l add_up(const sv_wall_layout *l, const slices_t *from, size_t at, uin
     return sum;
 }
 
+/* The same of two slices, in rows that are wide and have no padding: most layers are such. */
+static u16l add_two(const slices_t *from, size_t at) {
+    return TO_U16(((__global const u8l_unaligned *)(from->at[0] + at))->v) +
+           TO_U16(((__global const u8l_unaligned *)(from->at[1] + at))->v);
+}
+
 /* Sums up LANES columns from x on over rows of a strip, weighted for two rows of rays. */
 static void sum_slices(const sv_wall_layout *l, const strip_t *s, const slices_t *from, extent_t rows, uint x,
                        u16l sums[2]) {
+    const bool two = from->count == 2 && s->padding > 255 && l->width >= LANES;
     u16l upper = (u16l)(0), lower = upper;
-    for (uint y = rows.from; y < rows.to; y++) {
-        const u16l sum = add_up(l, from, (size_t)(s->first_row + y) * from->row_pitch + x, s->padding);
-        upper += sum * (u16l)(s->weight[0][y]);
-        lower += sum * (u16l)(s->weight[1][y]);
+    size_t at = (size_t)(s->first_row + rows.from) * from->row_pitch + x;
+    for (uint y = rows.from; y < rows.to; y++, at += from->row_pitch) {
+        const u16l sum = two ? add_two(from, at) : add_up(l, from, at, s->padding);
+        upper += sum * REINTERPRET((u32h)(s->weight[0][y]), u16l);
+        lower += sum * REINTERPRET((u32h)(s->weight[1][y]), u16l);
     }
     sums[0] = upper;
     sums[1] = lower;
