@@ -76,6 +76,8 @@ def by_day(name: str) -> bool:
 
 
 ROWS = {name: row for name, row in ALL.items() if by_day(name) != NIGHT or name == "plain.mha"}
+# The evaluation reads as `run` does, so by day it has every third file.
+JUDGED = tuple(ROWS)[:: 1 if NIGHT else 3]
 NOT_SENT = ("left.nrrd", "letters.mha", "two.nii", "far.dcm", *TOLD)  # what a message does not hold
 
 
@@ -207,7 +209,7 @@ def test_every_file_at_every_door(name, folder, scene, plain_mm, on_page, batche
             assert "'smartvis clip' of the Python package" in text or name in NAMES, text
     if image is not None and says_spacing(image) and name not in ("probe.vol", *NOT_SENT):
         doors["serve"] = served(image)
-    if not name.startswith(("deep", "probe", "meta.nrrd")):
+    if name in JUDGED and not name.startswith(("deep", "probe", "meta.nrrd")):
         truth = path if name in USERS else tmp_path / ("truth" + "".join(path.suffixes))
         if truth != path:
             make(truth, scene.truth[::2])
