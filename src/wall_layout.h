@@ -59,7 +59,7 @@
     /* So many rays must show the fetus, or nothing is clipped; and so many a wall, or the next two are
      * assumed. */ \
     CONSTANT(seen_share, 0.1) \
-    CONSTANT(clear_share, 0.35) /* from this share in gaps on, a fetus need not be brighter than the wall */ \
+    CONSTANT(clear_share, 0.45) /* from this share in gaps on, a fetus need not be brighter than the wall */ \
     CONSTANT(assumed_wall, 0.6) /* brightness of the wall in units of the bright class' mean */ \
     CONSTANT(assumed_spread, 0.5) /* its spread, ln of the odds */
 /* clang-format on */

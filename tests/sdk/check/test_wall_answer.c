@@ -183,14 +183,14 @@ static void test_surface_lies_in_what_is_dark(void **state) {
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
 }
 
-/* A fetus that is no brighter than the wall is none, unless at least 0.35 of what is dark lie before it. */
+/* A fetus that is no brighter than the wall is none, unless at least 0.45 of what is dark lie before it. */
 static void test_clear_fluid_needs_no_bright_fetus(void **state) {
     scan s = scan_make(N, N, N);
-    run_gap_before(&s, 5, MUSCLE, 10, BONE, true); /* 0.333 */
+    run_gap_before(&s, 5, MUSCLE, 7, BONE, true); /* 0.417 */
     assert_true(s.facts.fetus < 0.1 && fabs(s.facts.wanted - 0.1) < 1e-9);
     assert_int_equal(s.outcome, SV_WALL_NO_FETUS);
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] == 0.0f && s.confidence[i] == 0.0f);
-    run_gap_before(&s, 5, MUSCLE, 9, BONE, false); /* 0.357 */
+    run_gap_before(&s, 5, MUSCLE, 6, BONE, false); /* 0.455 */
     assert_true(s.facts.fetus < 0.1);
     assert_int_equal(s.outcome, SV_WALL_SURFACE);
     for (uint32_t i = 0; i < PIXELS; i++) assert_true(s.depth[i] > 7.0f && s.depth[i] <= 18.0f);
@@ -211,11 +211,11 @@ static void test_last_outcome_is_kept(void **state) {
         sv_wall_outcome last;
         uint64_t doubtful, surface, clear; /* the least of 1000 */
         uint32_t fetus;
-    } limits[] = {{SV_WALL_EMPTY, 120, 300, 350, 100},
-                  {SV_WALL_NO_FETUS, 120, 300, 370, 120},
-                  {SV_WALL_NO_FLUID, 140, 320, 350, 80},
-                  {SV_WALL_DOUBTFUL, 100, 320, 350, 80},
-                  {SV_WALL_SURFACE, 100, 280, 330, 80}};
+    } limits[] = {{SV_WALL_EMPTY, 120, 300, 450, 100},
+                  {SV_WALL_NO_FETUS, 120, 300, 470, 120},
+                  {SV_WALL_NO_FLUID, 140, 320, 450, 80},
+                  {SV_WALL_DOUBTFUL, 100, 320, 450, 80},
+                  {SV_WALL_SURFACE, 100, 280, 430, 80}};
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         sv_wall_settings settings = sv_wall_settings_default();
         const sv_wall_outcome last = settings.last = limits[i].last;
