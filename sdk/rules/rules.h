@@ -199,7 +199,7 @@
          "Launch each once with its final local size in activate.")                                          \
     RULE(frame_time, TRIED, "frame-time", "first-frame",                                                     \
          "A frame of 128 x 128 x 128 takes 50 ms at most: 20 volumes a second (a warning).",                 \
-         "Measure the three stages with smartvis.stats/1 or a profiler; read every voxel once, slab by "     \
+         "Measure what its parts take (smartvis.timing/1, or a profiler); read every voxel once, slab by "   \
          "slab.")                                                                                            \
     RULE(opencl_balance, TRIED, "opencl-balance", "first-frame",                                             \
          "deactivate leaves no OpenCL object behind, and none of the host's retained.",                      \
