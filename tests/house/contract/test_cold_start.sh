@@ -16,10 +16,13 @@ fail() {
     echo "failed: $*"
     failures=$((failures + 1))
 }
+optimises_always() { grep -q '^Device   cpu-' "$work/$1.txt"; } # PoCL from 4 on, whose devices are called so; those of 3 pthread-
 run() { # run FOLDER QUICK: one frame; of the plugin's programs, so many are quick
+    local quick=$2
     "$build_dir/host_sim" run --scene E01 --size 100 --frames 1 --picture 64 --panel 64 --setting smartvis --verbose --write depthmap,confidence --out "$work/$1" > "$work/$1.txt" 2>&1 ||
         fail "$1: exit code $?: $(tail -n 20 "$work/$1.txt")"
-    grep -q "info: activate: [0-9.]* s; of it [0-9.]* s for building 1 program, $2 without optimisation," "$work/$1.txt" || fail "$1: activate does not tell its time"
+    ! optimises_always "$1" || quick=0
+    grep -q "info: activate: [0-9.]* s; of it [0-9.]* s for building 1 program, $quick without optimisation," "$work/$1.txt" || fail "$1: activate does not tell its time"
 }
 run cold 1
 compiled=$(find "$POCL_CACHE_DIR" -name '*.so' -printf '%f\n' | sed 's/\.so$//' | sort -u)
@@ -42,7 +45,7 @@ for file in result.png depthmap.png slices.png depthmap.mha confidence.mha; do
     cmp -s "$work/cold/$file" "$work/warm/$file" || fail "$file is another in a cold start"
     cmp -s "$work/cold/$file" "$work/optimised/$file" || fail "$file is another without optimisation"
 done
-grep -q 'Kernels  compiled without optimisation' "$work/warm.txt" || fail "the run does not say why it is slow"
+optimises_always warm || grep -q 'Kernels  compiled without optimisation' "$work/warm.txt" || fail "the run does not say why it is slow"
 if grep -q 'Kernels  compiled' "$work/optimised.txt"; then fail "the optimised run says that it is not"; fi
 # The process that compiles ahead compiles what this run needs: the host's program, the profiles and the frame's, each once.
 POCL_CACHE_DIR=$work/mean "$build_dir/host_sim" run --scene E01 --size 100 --frames 1 --picture 32 --few-pictures --setting smartvis \
