@@ -4,7 +4,7 @@
 # takes. host_sim goes in beside the plugin, with the scenes and the font of its pictures; its libraries are linked into it (target
 # host_sim_alone). auditwheel adds what is left, the OpenCL loader (ocl-icd, BSD) and civetweb, and names the least C library
 # (manylinux_2_34 from Debian 12). The licences of all of it go in, too. Beside the wheel comes a scene with the depthmap that is
-# to come out: scripts/try_wheel.sh clips it.
+# to come out: scripts/try_wheel.sh clips it. Exit code 3: a library has no static form here, as cairo in Debian 13.
 set -eu
 build=$(realpath "$1")
 venv=$build/python/venv
@@ -18,9 +18,16 @@ cmake --build "$build" --target host_sim_alone > "$work/log" || {
     cat "$work/log" >&2
     exit 1
 }
+# What has no static library there would come without its licence, and with all that it needs.
+alone=$build/obj/program/alone/host_sim
+more=$(objdump -p "$alone" | awk '/NEEDED/ && $2 !~ /^(lib(c|m|OpenCL|civetweb)\.so|ld-linux)/ { print $2 }' | paste -sd ' ')
+if [ -n "$more" ]; then
+    echo "wheel: this system has no static library for $more: make the wheel on Debian 12" >&2
+    exit 3
+fi
 into=$work/content # what goes into the wheel; licences/ into its licenses
 mkdir -p "$into/plugin/share/smartvis" "$into/plugin/share/fonts" "$into/licences"
-cp "$build/obj/program/alone/host_sim" "$into/plugin"
+cp "$alone" "$into/plugin"
 cp -r "$source/data/scenes" "$into/plugin/share/smartvis"
 font=$(dpkg-query -L fonts-dejavu-core | grep '/DejaVuSans\.ttf$')
 cp "$font" "$into/plugin/share/fonts"

@@ -11,7 +11,13 @@ if [ ! -x "$venv/bin/auditwheel" ]; then # environment.sh says why
     echo "skipped: no index of Python packages (PyPI) can be reached"
     exit 77
 fi
-"$1/scripts/wheel.sh" "$2" "$work/out"
+code=0
+"$1/scripts/wheel.sh" "$2" "$work/out" 2> "$work/said" || code=$?
+if [ $code = 3 ] && grep 'has no static library' "$work/said" > "$work/why"; then
+    echo "skipped: $(cat "$work/why")"
+    exit 77
+fi
+[ $code = 0 ] || { cat "$work/said" && exit 1; }
 wheel=("$work"/out/smartvis-*.whl)
 [[ ${wheel[*]} =~ -py3-none-manylinux_2_([0-9]+)_ ]] && libc=${BASH_REMATCH[1]}
 holds [ "${libc:-99}" -le "$(ldd --version | sed -n '1s/.*\.//p')" ]
