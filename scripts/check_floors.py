@@ -10,6 +10,7 @@
 """
 
 import graphlib
+import os
 import re
 import subprocess
 import sys
@@ -167,15 +168,19 @@ def includes(root):
     yield from circles(arrows, "includes")
 
 
+def source_of(place):
+    """The source of an object below obj/, where "__" is the folder above that of its target."""
+    path = re.sub(r"^.*/obj/|CMakeFiles/[^/]*\.dir/|\.o:$", "", place)
+    return os.path.normpath(re.sub("^door/", "host_sim/door/", path).replace("__", ".."))
+
+
 def calls(build):
     """Circles among the objects of a build folder, by who uses whose symbols."""
     owner, uses, arrows = {}, [], ({}, {})
-    # "__": compiled a second time, for a library of another folder
-    objects = [path for path in (build / "obj").rglob("*.c.o")
-               if path.relative_to(build).parts[1] not in {"tests", "examples"} and "__" not in path.parts]
+    objects = [path for path in (build / "obj").rglob("*.c.o") if path.relative_to(build).parts[1] not in {"tests", "examples"}]
     listed = subprocess.run(["nm", "-A", "-g", "-P", *objects], capture_output=True, text=True, check=True).stdout
     for place, symbol, kind, *_ in map(str.split, listed.splitlines()):
-        source = re.sub(r"^.*/obj/|CMakeFiles/[^/]*\.dir/|\.o:$", "", place)
+        source = source_of(place)
         if kind == "U":
             uses.append((source, symbol))
         elif kind != "w" and not re.search(r"/spy/|/old_libc\.c$", source):  # these define names of libc and OpenCL

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: MIT
+# sv_built_once(<variable> <target>): of the sources in the variable, those that the object library compiles as well give their place
+# to its objects. Where there is no such target, nothing changes.
+function(sv_built_once variable target)
+  if(NOT TARGET ${target})
+    return()
+  endif()
+  get_target_property(there ${target} SOURCES)
+  set(own)
+  set(shared)
+  foreach(source ${${variable}})
+    get_filename_component(path ${source} ABSOLUTE)
+    if(path IN_LIST there)
+      string(REGEX REPLACE "\\.c$" "" name ${source})
+      list(APPEND shared ${name})
+    else()
+      list(APPEND own ${source})
+    endif()
+  endforeach()
+  list(JOIN shared "|" shared)
+  set(${variable} ${own} "$<FILTER:$<TARGET_OBJECTS:${target}>,INCLUDE,/(${shared})\\.c\\.>" PARENT_SCOPE)
+endfunction()
