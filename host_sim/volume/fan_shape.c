@@ -15,7 +15,7 @@
  * so that what is cut off obliquely does not bend the fan.
  */
 
-enum { FEW = 300 }; /* points of a first trial */
+enum { FEW = 300, LAST_TRIAL = 5 * FEW }; /* points of a first trial, and of the last */
 
 static const double most_scale = 0.9;              /* of a logarithm, from where a trial begins */
 static const double resting = 0.89;                /* a scale that went farther was held up on its way */
@@ -83,26 +83,78 @@ static double length_of(double x, double y) {
     return sqrt(x * x + y * y);
 }
 
-/* How far the point lies beyond the nearest surface of the fan (inside: below 0), which is `surface`: 0, 1
- * lines, 2, 3 planes, 4, 5 radii. `slope`: what that changes by for each unknown. */
-static double beyond(const fan *f, const double p[3], int *surface, double slope[UNKNOWNS]) {
-    double l[3], least = DBL_MAX;
-    local_place(f, p, l);
-    const double w = l[2] - f->x[SWEEP], h = length_of(l[1], w) + 1e-9, c = h + f->x[SWEEP];
-    const double r = length_of(l[0], c) + 1e-9, line = atan2(l[0], c), plane = atan2(l[1], w);
-    const double d[6] = {(f->x[LOW_LINE] - line) * r,
-                         (line - f->x[HIGH_LINE]) * r,
-                         (-f->x[PLANE] - plane) * h,
-                         (plane - f->x[PLANE]) * h,
-                         f->x[FACE] - r,
-                         r - f->x[END]};
-    for (int k = 0; k < 6; k++)
-        if (fabs(d[k]) < least) least = fabs(d[ *surface = k]);
-    if (!slope) return d[*surface];
-    const double sign = *surface % 2 ? 1.0 : -1.0;
+/* What a point has met: its place along the fan's axes, and the nearest surface: 0, 1 lines, 2, 3 planes, 4,
+ * 5 radii. */
+typedef struct {
+    double place[3], beyond; /* mm; inside: below 0 */
+    int surface;
+} meeting;
+_Static_assert(sizeof(meeting) * LAST_TRIAL <= sizeof(double) * HS_BORDER_MOST, "they lie in the room");
+
+typedef struct {
+    double cosine, sine;
+} direction;
+
+/* Of the lines and planes that end a fan, as surfaces are numbered. */
+static void limits_of(const fan *f, direction limits[4]) {
+    const double angles[4] = {f->x[LOW_LINE], f->x[HIGH_LINE], -f->x[PLANE], f->x[PLANE]};
+    for (int k = 0; k < 4; k++) limits[k] = (direction){cos(angles[k]), sin(angles[k])};
+}
+
+/* How far the point lies from the nearer of two rays from 0: the arc to it is no shorter. */
+static double from_rays(double x, double y, double radius, const direction limits[2]) {
+    double least = radius;
+    for (int k = 0; k < 2; k++) {
+        const double beside = fabs(x * limits[k].cosine - y * limits[k].sine);
+        if (beside < least && y * limits[k].cosine + x * limits[k].sine > 0.0) least = beside;
+    }
+    return least;
+}
+
+/* Two surfaces, of which the nearer one counts if it is nearer than what was met before; of two as near, the
+ * first. */
+static void meet(meeting *m, int first, double below, double above) {
+    const double d[2] = {below, above};
+    for (int k = 0; k < 2; k++) {
+        const double now = fabs(d[k]), before = fabs(m->beyond);
+        if (!(now < before || (now == before && first + k < m->surface))) continue;
+        m->beyond = d[k];
+        m->surface = first + k;
+    }
+}
+
+/* How far the point lies beyond the nearest surface of the fan. An angle is found where the arc to its limits
+ * may be the shortest way, for that takes most of the time. */
+static meeting meet_fan(const fan *f, const direction limits[4], const double p[3]) {
+    static const double rounding = 1e-9; /* mm, and of a length */
+    meeting m = {.beyond = DBL_MAX, .surface = 6};
+    local_place(f, p, m.place);
+    const double *l = m.place, w = l[2] - f->x[SWEEP], h = length_of(l[1], w) + 1e-9, c = h + f->x[SWEEP];
+    const double r = length_of(l[0], c) + 1e-9;
+    meet(&m, 4, f->x[FACE] - r, r - f->x[END]);
+    const double least[2] = {from_rays(l[0], c, r, limits), from_rays(l[1], w, h, limits + 2)};
+    for (int n = 0; n < 2; n++) {
+        const bool planes = (least[1] < least[0]) != (n == 1); /* the ones that may be nearer come first */
+        if (least[planes] > fabs(m.beyond) * (1.0 + rounding) + rounding) continue;
+        if (planes) {
+            const double plane = atan2(l[1], w);
+            meet(&m, 2, (-f->x[PLANE] - plane) * h, (plane - f->x[PLANE]) * h);
+        } else {
+            const double line = atan2(l[0], c);
+            meet(&m, 0, (f->x[LOW_LINE] - line) * r, (line - f->x[HIGH_LINE]) * r);
+        }
+    }
+    return m;
+}
+
+/* What `beyond` changes by for each unknown, at a point p. */
+static void slope_of(const fan *f, const double p[3], const meeting *met, double slope[UNKNOWNS]) {
+    const int surface = met->surface;
+    const double *l = met->place, w = l[2] - f->x[SWEEP], h = length_of(l[1], w) + 1e-9, c = h + f->x[SWEEP];
+    const double r = length_of(l[0], c) + 1e-9, sign = surface % 2 ? 1.0 : -1.0;
     double g[3] = {0, l[1] / h, w / h}, by_sweep = 1.0 - w / h; /* of c, along the fan's axes */
-    if (*surface < 2 || *surface > 3) {
-        const double of_x = *surface < 2 ? c / r : l[0] / r, of_c = *surface < 2 ? -l[0] / r : c / r;
+    if (surface < 2 || surface > 3) {
+        const double of_x = surface < 2 ? c / r : l[0] / r, of_c = surface < 2 ? -l[0] / r : c / r;
         g[0] = of_x;
         g[1] *= of_c;
         g[2] *= of_c;
@@ -120,22 +172,26 @@ static double beyond(const fan *f, const double p[3], int *surface, double slope
     }
     slope[SWEEP] = sign * by_sweep;
     for (int k = 0; f->scaled && k < SCALES; k++) slope[SCALE + k] = -slope[PLACE + k] * p[k] * f->factor[k];
-    slope[*surface < 2   ? LOW_LINE + *surface
-          : *surface < 4 ? PLANE
-          : *surface < 5 ? FACE
-                         : END] = *surface < 2   ? -sign * r
-                                  : *surface < 4 ? -h
-                                                 : -sign;
-    return d[*surface];
+    slope[surface < 2   ? LOW_LINE + surface
+          : surface < 4 ? PLANE
+          : surface < 5 ? FACE
+                        : END] = surface < 2   ? -sign * r
+                                 : surface < 4 ? -h
+                                               : -sign;
 }
 
-static double cost_of(const fan *f, const border *b, uint32_t step, double scale) {
+/* What each point meets, and the cost: infinite if it is known to be more than `most`. */
+static double meet_all(const fan *f, const border *b, uint32_t every, double scale, double most,
+                       meeting *met) {
+    direction limits[4];
+    limits_of(f, limits);
+    const uint32_t n = (b->count - 1) / every + 1;
     double sum = 0.0;
-    uint32_t n = 0;
-    int surface = 0;
-    for (uint32_t i = 0; i < b->count; i += step, n++) {
-        const double e = beyond(f, b->points[i], &surface, NULL);
+    for (uint32_t i = 0; i < n; i++) {
+        met[i] = meet_fan(f, limits, b->points[(size_t)i * every]);
+        const double e = met[i].beyond;
         sum += e * e / (e * e + scale * scale);
+        if (sum > most * n) return DBL_MAX;
     }
     return sum / n;
 }
@@ -179,32 +235,42 @@ static void move_by(fan *f, const double step[UNKNOWNS]) {
     }
 }
 
-/* Up to `rounds` of Levenberg's steps; `scale` mm: what lies farther away counts little. */
-static void improve(fan *f, const border *b, uint32_t every, int rounds, double scale) {
-    double damping = 1e-3;
-    f->cost = cost_of(f, b, every, scale);
-    for (int round = 0; round < rounds; round++) {
-        double normal[UNKNOWNS][UNKNOWNS] = {{0}}, right[UNKNOWNS] = {0}, slope[UNKNOWNS];
-        int surface = 0;
-        for (uint32_t i = 0; i < b->count; i += every) {
-            const double e = beyond(f, b->points[i], &surface, slope);
-            const double root = scale * scale / (e * e + scale * scale), weight = root * root;
-            for (int k = 0; k < UNKNOWNS; k++) {
-                if (slope[k] == 0.0) continue; /* each surface has a few unknowns only */
-                right[k] -= weight * slope[k] * e;
-                for (int m = k; m < UNKNOWNS; m++) normal[k][m] += weight * slope[k] * slope[m];
-            }
+/* Of the weighted least squares that a step solves. The lower half is not read: whole rows are quicker. */
+typedef struct {
+    double normal[UNKNOWNS][UNKNOWNS], right[UNKNOWNS];
+} equations;
+
+static equations equations_of(const fan *f, const border *b, uint32_t every, double scale,
+                              const meeting *met) {
+    equations q = {0};
+    for (uint32_t i = 0, at = 0; at < b->count; i++, at += every) {
+        double slope[UNKNOWNS];
+        slope_of(f, b->points[at], &met[i], slope);
+        const double e = met[i].beyond, root = scale * scale / (e * e + scale * scale), weight = root * root;
+        for (int k = 0; k < UNKNOWNS; k++) {
+            if (slope[k] == 0.0) continue; /* each surface has a few unknowns only */
+            const double weighted = weight * slope[k];
+            q.right[k] -= weighted * e;
+            for (int m = 0; m < UNKNOWNS; m++) q.normal[k][m] += weighted * slope[m];
         }
+    }
+    return q;
+}
+
+/* Up to `rounds` of Levenberg's steps; `scale` mm: what lies farther away counts little. */
+static void improve(fan *f, const border *b, uint32_t every, int rounds, double scale, meeting *met) {
+    double damping = 1e-3;
+    f->cost = meet_all(f, b, every, scale, DBL_MAX, met);
+    for (int round = 0; round < rounds; round++) {
+        const equations q = equations_of(f, b, every, scale, met);
         bool better = false;
         for (int trial = 0; trial < 5 && !better; trial++) {
-            double a[UNKNOWNS][UNKNOWNS], step[UNKNOWNS];
-            memcpy(a, normal, sizeof a);
-            memcpy(step, right, sizeof step);
-            for (int k = 0; k < UNKNOWNS; k++) a[k][k] += damping * a[k][k] + 1e-9;
-            solve(a, step);
+            equations solved = q;
+            for (int k = 0; k < UNKNOWNS; k++) solved.normal[k][k] += damping * solved.normal[k][k] + 1e-9;
+            solve(solved.normal, solved.right);
             fan next = *f;
-            move_by(&next, step);
-            next.cost = cost_of(&next, b, every, scale);
+            move_by(&next, solved.right);
+            next.cost = meet_all(&next, b, every, scale, f->cost, met);
             better = next.cost < f->cost; /* never with a NaN */
             damping = better ? fmax(damping * 0.3, 1e-6) : damping * 5.0;
             if (better) *f = next;
@@ -213,15 +279,27 @@ static void improve(fan *f, const border *b, uint32_t every, int rounds, double 
     }
 }
 
-static int by_value(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Sorts, and gives the value that this share of them is below. */
+/* The value that this share of them is below; changes their order (Hoare's selection). */
 static double quantile(double *values, uint32_t count, double share) {
-    qsort(values, count, sizeof *values, by_value);
-    return values[(uint32_t)(share * (count - 1))];
+    const uint32_t wanted = (uint32_t)(share * (count - 1));
+    uint32_t low = 0, high = count - 1;
+    while (low < high) {
+        const double pivot = values[low + (high - low) / 2];
+        uint32_t i = low, j = high;
+        for (;; i++, j--) {
+            while (values[i] < pivot) i++;
+            while (pivot < values[j]) j--;
+            if (i >= j) break;
+            const double other = values[i];
+            values[i] = values[j];
+            values[j] = other;
+        }
+        if (wanted <= j)
+            high = j;
+        else
+            low = j + 1;
+    }
+    return values[wanted];
 }
 
 /* ---- trials */
@@ -256,14 +334,16 @@ static void begin(fan *f, const border *b, uint32_t every, bool scaled, const do
 /* How well it fits, over all points. */
 static void measure(fan *f, const border *b, double *room) {
     uint32_t close = 0, near = 0;
+    direction limits[4];
+    limits_of(f, limits);
     memset(f->on, 0, sizeof f->on);
     for (uint32_t i = 0; i < b->count; i++) {
-        int surface = 0;
-        room[i] = fabs(beyond(f, b->points[i], &surface, NULL));
+        const meeting met = meet_fan(f, limits, b->points[i]);
+        room[i] = fabs(met.beyond);
         near += room[i] <= near_by * b->close;
         if (!(room[i] <= b->close)) continue;
         close++;
-        f->on[surface]++;
+        f->on[met.surface]++;
     }
     f->share = (double)close / b->count;
     f->follows = near ? (double)close / near : 0.0;
@@ -274,6 +354,7 @@ fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned
                 double hopeless) {
     static const double turns[4][3] = {{0.49, 0, 0}, {-0.49, 0, 0}, {0, 0.49, 0}, {0, -0.49, 0}};
     const uint32_t every = 1 + (b->count - 1) / FEW;
+    meeting *met = (void *)room;
     fan best = {.cost = 2.0};
     for (int n = 0; n < 4; n++) {
         double begun[9];
@@ -282,12 +363,12 @@ fan hs_fan_from(const double axes[9], const border *b, double *room, bool turned
         if (turned) turn_by(begun, turns[n]);
         begin(&f, b, every, scaled, begun, turned ? 60.0 : first_radii[n / 2],
               turned ? 60.0 : first_radii[n % 2]);
-        improve(&f, b, every, 8, 5.0);
-        if (f.cost < hopeless) improve(&f, b, every, 6, 2.0);
+        improve(&f, b, every, 8, 5.0, met);
+        if (f.cost < hopeless) improve(&f, b, every, 6, 2.0, met);
         if (f.cost < best.cost) best = f;
     }
     if (best.cost > 1.0) return best;
-    if (best.cost < hopeless) improve(&best, b, 1 + (b->count - 1) / (5 * FEW), 60, 1.0);
+    if (best.cost < hopeless) improve(&best, b, 1 + (b->count - 1) / LAST_TRIAL, 60, 1.0, met);
     measure(&best, b, room);
     return best;
 }
