@@ -28,20 +28,26 @@ fetch() { # fetch PACKAGE: its source, with Debian's patches, in ROOT/apt/PACKAG
     return 1
 }
 
-build() { # build LIBRARY PACKAGE ARGUMENT...: unless ROOT/lib/LIBRARY.a is there
-    local source
+build() { # build LIBRARY PACKAGE TARGET "HEADER..." ARGUMENT...: this target alone, unless ROOT/lib/LIBRARY.a is there
+    local source built=$root/apt/build/$2 header description to
     [ ! -e "$root/lib/$1.a" ] || return 0
     fetch "$2"
     source=$(find "$root/apt" -maxdepth 1 -type d -name "$2-*")
-    cmake -S "$source" -B "$root/apt/build/$2" -G Ninja -D "CMAKE_TOOLCHAIN_FILE=$toolchain" -D "SV_WINDOWS_ROOT=$root" \
-        -D "CMAKE_INSTALL_PREFIX=$root" -D CMAKE_BUILD_TYPE=Release -D CMAKE_C_FLAGS=-w "${@:3}"
-    cmake --build "$root/apt/build/$2"
-    cmake --install "$root/apt/build/$2"
+    cmake -S "$source" -B "$built" -G Ninja -D "CMAKE_TOOLCHAIN_FILE=$toolchain" -D "SV_WINDOWS_ROOT=$root" \
+        -D "CMAKE_INSTALL_PREFIX=$root" -D CMAKE_BUILD_TYPE=Release -D CMAKE_C_FLAGS=-w "${@:5}"
+    cmake --build "$built" --target "$3"
+    # Its own installation wants the programs, too, most of what there is to compile.
+    description=$(find "$built" -name "${1%16}.pc" -o -name "${1#lib}.pc")
+    to=$(pkg-config --variable=includedir "$description")
+    mkdir -p "$root/lib/pkgconfig" "$to"
+    for header in $4; do cp "$(find "$source" "$built" -name "$header" ! -path '*/debian/*' -print -quit)" "$to"; done
+    cp "$description" "$root/lib/pkgconfig"
     cp "$source/debian/copyright" "$root/licences/$2"
+    find "$built" -name "$1.a" -exec cp {} "$root/lib" ';'
 }
 log=$root/apt/log
 exec 3>&2 > "$log" 2>&1
 trap '[ $? = 0 ] || tail -n 40 "$log" >&3' EXIT
-build libjansson jansson -D JANSSON_EXAMPLES=OFF -D JANSSON_BUILD_DOCS=OFF -D JANSSON_WITHOUT_TESTS=ON
-build libpng16 libpng1.6 -D PNG_SHARED=OFF -D PNG_TESTS=OFF
-build libturbojpeg libjpeg-turbo -D ENABLE_SHARED=OFF -D WITH_SIMD=OFF
+build libjansson jansson jansson 'jansson.h jansson_config.h' -D JANSSON_EXAMPLES=OFF -D JANSSON_BUILD_DOCS=OFF -D JANSSON_WITHOUT_TESTS=ON
+build libpng16 libpng1.6 png_static 'png.h pngconf.h pnglibconf.h' -D PNG_SHARED=OFF -D PNG_TESTS=OFF
+build libturbojpeg libjpeg-turbo turbojpeg-static turbojpeg.h -D ENABLE_SHARED=OFF -D WITH_SIMD=OFF
