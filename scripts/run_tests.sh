@@ -14,9 +14,10 @@ labels=()
 result=$folder/test_results.xml
 rm -f "$result"
 
-# More than there are processors: among those that begin are some that wait longer than they compute.
+# More than there are processors: among those that begin are some that wait longer than they compute. In the background of a script,
+# whose SIGINT is ignored, as in front: what is held to end by it has to see it.
 log=out/log/$(basename "$folder").tests.log
-"$(dirname "$0")/quietly.sh" tests "$log" ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$((2 * jobs + 2))" \
+"$(dirname "$0")/quietly.sh" tests "$log" env --default-signal=INT,QUIT ctest --test-dir "$folder" --no-tests=error --output-on-failure -j "$((2 * jobs + 2))" \
     --output-junit "$result" "${labels[@]}"
 code=$?
 # What the tests that failed printed, some lines of each.
