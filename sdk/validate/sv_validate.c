@@ -28,7 +28,7 @@
 /* Less than a machine has, more than a compiler needs. */
 #define MEMORY_BYTES (1536ull << 20)
 #define PATIENCE     5.0
-/* Of that time for a check, what a kernel may take, and a call of a frame that compiles nothing. */
+/* Of that time for a check, what a kernel may take, and a call of a frame. */
 #define FRAME_SHARE (1.0 / 6.0)
 
 /* The text of a finding quotes the plugin: a terminal must not obey it. */
@@ -63,7 +63,7 @@ static void perform(const v_options *options, job *j) {
         v_memory_end();
         v_where(&run, "the end of the check");
     }
-    spy_tell_kernels(NULL, NULL);
+    spy_tell_work(NULL, NULL);
     j->report.finished = true;
 }
 
@@ -82,13 +82,13 @@ static job *map_job(intptr_t shared) {
 /* ---- in the validator */
 static void report_accident(const hs_child_end *end, const v_report *report, v_finding *out) {
     char how[100], where[sizeof *report];
-    const bool runs = atomic_load(&report->kernel.since_ns) > 0;
+    const bool runs = atomic_load(&report->opencl.since_ns) > 0;
     const int line = (int)strnlen(report->line, sizeof report->line);
     const int values = (int)strnlen(report->values, sizeof report->values);
     hs_child_tell(end, how, sizeof how);
     (void)snprintf(where, sizeof where, "%.*s%s%.*s%s%.*s%s%.*s%s", (int)sizeof report->where,
                    report->where[0] ? report->where : "the check itself", runs ? "; running: kernel " : "",
-                   runs ? (int)sizeof report->kernel.name : 0, report->kernel.name,
+                   runs ? (int)sizeof report->opencl.name : 0, report->opencl.name,
                    values ? "; values of the frame: " : "", values, report->values,
                    line ? "; last line of its log: \"" : "", line, report->line, line ? "\"" : "");
     out->verdict = end->fate == HS_CHILD_LATE ? V_TIMEOUT : V_CRASH;
@@ -103,10 +103,20 @@ typedef struct {
     double allowed;
 } frame_watch;
 
+/* Since when a call of a frame computes by itself: until frames are known to come, OpenCL may compile for it.
+ * 0: it does not. */
+static uint64_t computes_since(const v_report *report) {
+    const uint64_t since = atomic_load(&report->since_ns);
+    if (since == 0 || atomic_load(&report->warm)) return since;
+    if (atomic_load(&report->opencl.busy) > 0) return 0;
+    const uint64_t idle = atomic_load(&report->opencl.idle_ns);
+    return idle > since ? idle : since;
+}
+
 static double is_late(const void *watch) {
     const frame_watch *w = watch;
-    const uint64_t call = atomic_load(&w->report->warm) ? atomic_load(&w->report->since_ns) : 0;
-    const uint64_t kernel = atomic_load(&w->report->kernel.since_ns);
+    const uint64_t call = computes_since(w->report);
+    const uint64_t kernel = atomic_load(&w->report->opencl.since_ns);
     const double least = hs_now() - w->allowed;
     const bool late = (call && (double)call * 1e-9 < least) || (kernel && (double)kernel * 1e-9 < least);
     return late ? w->allowed : 0.0;
@@ -249,7 +259,7 @@ static const hs_option options[] = {
     HS_IN(COUNT, "level", "N", AT(run.level), 1, 10, "1 .. 10: how much is tried [5]"),
     HS_IN(NUMBER, "timeout", "S", AT(run.timeout_s), 0.1, 86400,
           "seconds for a check up to first-frame; a later one has five times as many, and a sixth for a "
-          "kernel, and for a call of a frame that compiles nothing [60]"),
+          "kernel, and for a call of a frame [60]"),
     HS_FLAG("json", AT(json), "one JSON object instead of lines"),
     HS_TEXT("junit", "FILE", AT(junit), "everything as JUnit's XML, too, for CI systems"),
     HS_FLAG("verbose", AT(run.verbose), "what the plugin logs and prints goes to standard error"),

@@ -40,7 +40,7 @@ typedef struct {
     char values[400];          /* of the frame that it belongs to: "q = 0.5, level = 0"; "" for no frame */
     _Atomic uint64_t since_ns; /* when it began, if it belongs to a frame; else 0 */
     _Atomic bool warm;         /* no call of a frame compiles any more: each must come back soon */
-    spy_kernel kernel;         /* that runs, and must end soon at any time */
+    spy_work opencl;           /* what that does; a kernel that runs must end soon at any time */
     char line[200];            /* the last that the plugin has logged */
 } v_report;
 

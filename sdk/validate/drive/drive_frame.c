@@ -91,6 +91,8 @@ static sv_status came_back(const stage *st, sv_status status) {
 sv_status v_begin(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count) {
     const sv_frame frame = stage_frame(st, values, count);
     tell_values(st, values, count);
+    if (!run_of(st)->report->values[0])
+        (void)snprintf(run_of(st)->report->values, sizeof run_of(st)->report->values, "the defaults");
     v_where_frame(run_of(st), "begin");
     return came_back(st, p->begin(p, &frame));
 }

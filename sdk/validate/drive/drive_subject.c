@@ -75,7 +75,7 @@ void v_load(v_run *run, v_subject *s) {
     V_EXPECT(run, s->entry, "the library exports no symbol " SV_ENTRY_SYMBOL);
     const rule_sink to = v_sink(run);
     rule_entry(&to, s->entry);
-    spy_tell_kernels(s->entry, &run->report->kernel);
+    spy_tell_work(s->entry, &run->report->opencl);
 }
 
 static void find_descriptor(v_subject *s) {

@@ -31,6 +31,7 @@ static struct {
     size_t launched_count, warm;
     uint32_t cold;
 } spy;
+static _Atomic(spy_work *) work;
 
 void spy_watch(const void *address) {
     memset(&spy, 0, sizeof spy);
@@ -109,13 +110,37 @@ void spy_lose(uint32_t nth, cl_int code) {
     spy.lost = true;
 }
 
+/* ---- calls under way */
+static uint64_t now_ns(void) {
+    return (uint64_t)(hs_now() * 1e9);
+}
+
+static void begins_work(spy_work *out) {
+    if (out) atomic_fetch_add(&out->busy, 1);
+}
+
+/* The time comes first: who sees nothing under way sees since when. */
+static void ends_work(spy_work *out) {
+    if (!out) return;
+    atomic_store(&out->idle_ns, now_ns());
+    atomic_fetch_sub(&out->busy, 1);
+}
+
 spy_verdict spy_enter(const char *name, spy_kind kind, const void *caller) {
-    if (!library_range_holds(spy.watched, caller)) return (spy_verdict){false, false};
+    spy_verdict v = {.told = atomic_load(&work)};
+    begins_work(v.told);
+    v.ours = library_range_holds(spy.watched, caller);
+    if (!v.ours) return v;
     if (spy.counts[kind]++ == 0) spy.first[kind] = name;
-    if (kind == SPY_RELEASE || spy.fail_in == 0 || spy.fail_in-- > 1) return (spy_verdict){true, false};
+    if (kind == SPY_RELEASE || spy.fail_in == 0 || spy.fail_in-- > 1) return v;
     if (spy.lost) spy.fail_in = 1;
     if (!spy.failed) spy.failed = name;
-    return (spy_verdict){true, true};
+    v.fails = true;
+    return v;
+}
+
+void spy_leave(const spy_verdict *v) {
+    ends_work(v->told);
 }
 
 cl_int spy_code(void) {
@@ -199,35 +224,35 @@ void spy_has_read(cl_command_queue q, void *to, size_t row_bytes, size_t rows, s
 
 /* ---- the kernel that runs */
 /* The names of launches that have not begun; one that is older loses its own. */
-enum { SPY_FOLLOWED = 64, NAME_BYTES = sizeof(((spy_kernel *)NULL)->name) };
-static _Atomic(spy_kernel *) told;
+enum { SPY_FOLLOWED = 64, NAME_BYTES = sizeof(((spy_work *)NULL)->name) };
 static char followed[SPY_FOLLOWED][NAME_BYTES];
 static atomic_uint followed_count;
 
-void spy_tell_kernels(const void *address, spy_kernel *out) {
+void spy_tell_work(const void *address, spy_work *out) {
     if (address) library_redirect(address);
-    atomic_store(&told, out);
+    atomic_store(&work, out);
 }
 
-bool spy_wants_kernels(void) {
-    return atomic_load(&told) != NULL;
+bool spy_wants_work(void) {
+    return atomic_load(&work) != NULL;
 }
 
 /* The runtime calls it when it likes: whether the kernel still runs is asked after it was told. */
 static void CL_CALLBACK begins(cl_event event, cl_int state, void *name) {
     static __typeof__(&clGetEventInfo) info;
-    spy_kernel *out = atomic_load(&told);
+    spy_work *out = atomic_load(&work);
     if (!info) *(void **)(&info) = library_next("clGetEventInfo");
     if (!out) return;
     memcpy(out->name, name, sizeof out->name);
-    atomic_store(&out->since_ns, (uint64_t)(hs_now() * 1e9));
+    atomic_store(&out->since_ns, now_ns());
     if (info(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL) != CL_SUCCESS ||
         state <= CL_COMPLETE)
         atomic_store(&out->since_ns, 0);
+    ends_work(out);
 }
 
 static void CL_CALLBACK ends(cl_event event, cl_int state, void *nothing) {
-    spy_kernel *out = atomic_load(&told);
+    spy_work *out = atomic_load(&work);
     (void)event, (void)state, (void)nothing;
     if (out) atomic_store(&out->since_ns, 0);
 }
@@ -239,5 +264,10 @@ void spy_follows(cl_kernel kernel, cl_event event) {
     if (!call) *(void **)(&call) = library_next("clSetEventCallback");
     if (!info) *(void **)(&info) = library_next("clGetKernelInfo");
     if (info(kernel, CL_KERNEL_FUNCTION_NAME, sizeof followed[0], name, NULL) != CL_SUCCESS) name[0] = '\0';
-    if (call(event, CL_RUNNING, begins, name) == CL_SUCCESS) (void)call(event, CL_COMPLETE, ends, NULL);
+    spy_work *out = atomic_load(&work);
+    begins_work(out); /* before it can be over */
+    if (call(event, CL_RUNNING, begins, name) == CL_SUCCESS)
+        (void)call(event, CL_COMPLETE, ends, NULL);
+    else
+        ends_work(out);
 }

@@ -63,15 +63,17 @@ bool spy_spoiled(void);
  * out. */
 uint64_t spy_live_bytes(void);
 
-/* The kernel that runs. */
+/* What OpenCL does. Times are hs_now's. */
 typedef struct {
-    char name[64];
-    _Atomic uint64_t since_ns; /* by hs_now; 0: none runs */
-} spy_kernel;
+    char name[64];             /* of the kernel that runs; where some run at once, of one of them */
+    _Atomic uint64_t since_ns; /* when that began; 0: none runs */
+    _Atomic uint32_t busy;     /* calls that have not come back, and launches not begun: they may compile */
+    _Atomic uint64_t idle_ns;  /* when the last of these was over */
+} spy_work;
 
-/* From now on every kernel that the library at `address` launches is told here, from when it runs, which is
- * after its runtime has compiled it. NULL: nowhere. On any thread; where some run at once, one of them. */
-void spy_tell_kernels(const void *address, spy_kernel *out);
+/* From now on what OpenCL does for the library at `address` is told here, on any thread. A kernel runs when
+ * its runtime has compiled it. NULL: nowhere. */
+void spy_tell_work(const void *address, spy_work *out);
 
 /* What the library hears of the device's memory and of the largest buffer; 0: the truth. */
 void spy_device_memory(uint64_t memory, uint64_t largest_buffer);
@@ -82,10 +84,12 @@ void spy_device_memory(uint64_t memory, uint64_t largest_buffer);
 /* What becomes of a call. */
 typedef struct {
     bool ours, fails;
+    spy_work *told;
 } spy_verdict;
 
-/* Counts a call; `caller` is where it returns to. */
+/* Counts a call; `caller` is where it returns to. Then it is over. */
 spy_verdict spy_enter(const char *name, spy_kind kind, const void *caller);
+void spy_leave(const spy_verdict *v);
 
 /* What a failing call returns. */
 cl_int spy_code(void);
@@ -108,7 +112,7 @@ void spy_launches(cl_kernel kernel, cl_uint dims, const size_t *local);
 void spy_forgets(cl_kernel kernel);
 
 /* The launch whose event this is: told, should that be wanted. NULL: no event was asked for. */
-bool spy_wants_kernels(void);
+bool spy_wants_work(void);
 void spy_follows(cl_kernel kernel, cl_event event);
 
 /* After its read of `rows` rows: waits for it and changes every byte that it brought, if this is its turn. */

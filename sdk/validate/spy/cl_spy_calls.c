@@ -37,7 +37,8 @@
     if (!real) *(void **)(&real) = library_next(#name)
 #define SPY_ENTER(name, kind)                                                                                \
     SPY_REAL(name);                                                                                          \
-    const spy_verdict v = spy_enter(#name, kind, __builtin_return_address(0))
+    const spy_verdict v __attribute__((cleanup(spy_leave))) =                                                \
+        spy_enter(#name, kind, __builtin_return_address(0))
 
 /* In what follows, `count` types are those of the first parameters, and `then` is done behind a success of
  * the watched library's. Calls that return a code: */
@@ -213,10 +214,10 @@ cl_int clReleaseKernel(cl_kernel kernel) {
 cl_int clEnqueueNDRangeKernel(SPY_PARAMETERS6(cl_command_queue, cl_kernel, cl_uint, sizes, sizes, sizes),
                               cl_uint n, const cl_event *wait, cl_event *event) {
     SPY_ENTER(clEnqueueNDRangeKernel, SPY_ENQUEUE);
-    cl_event own = NULL, *told = event || !spy_wants_kernels() ? event : &own;
+    cl_event own = NULL, *told = event || !spy_wants_work() ? event : &own;
     if (v.fails) return spy_code();
     const cl_int code = real(SPY_NAMES6, n, wait, told);
-    if (code == CL_SUCCESS && told && spy_wants_kernels()) spy_follows(b, *told);
+    if (code == CL_SUCCESS && told && spy_wants_work()) spy_follows(b, *told);
     if (own) (void)clReleaseEvent(own);
     if (!v.ours || code != CL_SUCCESS) return code;
     spy_enqueued(event);

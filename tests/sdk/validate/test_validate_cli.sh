@@ -48,6 +48,10 @@ expect 1 '^timeout +first-frame .*ran out of time \(2\.0 s\); under way: end' --
 # A kernel that does not end is told by its name, before the time for a check is over, although the first frame may compile.
 expect 1 '^timeout +first-frame .*ran out of time \(5\.0 s\); under way: .*; running: kernel find' --timeout 30 \
     --only first-frame "$build/wrong/hang_in_kernel.so"
+# A loop beside OpenCL is told as soon, in the first frame, too; what OpenCL takes there may be a compilation.
+expect 1 '^timeout +first-frame .*ran out of time \(1\.5 s\); under way: slab .*; values of the frame: the defaults' \
+    --timeout 9 --only first-frame "$build/wrong/hang_beside_opencl.so"
+expect 0 '1 pass' --timeout 9 --only first-frame "$build/wrong/frame_waits_long.so"
 # A frame that does not end costs a sixth of the time for a check, and is told with its values and an advice of its own.
 expect 1 '^timeout +param-fuzz .*ran out of time \(3\.0 s\); under way: end; values of the frame: .*gap = 5[,;]' --timeout 18 \
     --only param-fuzz "$build/wrong/hang_with_value.so"

@@ -173,10 +173,12 @@
     WRONG(create_calls_opencl, opencl, create-without-opencl, "create asks OpenCL for its platforms") \
     WRONG(end_minus_78, opencl, first-frame, "end fails with a status that nobody knows, on the host's queue") \
     WRONG(hang_in_kernel, opencl, first-frame, "a kernel never ends") \
+    WRONG(hang_beside_opencl, opencl, first-frame, "slab launches a kernel and never comes back") \
     WRONG(frame_finishes, opencl, frame-path-opencl, "end waits for the host's queue") \
     WRONG(frame_blocks, opencl, frame-path-opencl, "end writes with a blocking call") \
     WRONG(frame_creates_buffer, opencl, frame-path-opencl, "slab makes an OpenCL buffer") \
     WRONG(frame_builds, opencl, frame-path-opencl, "begin builds a program") \
+    WRONG(frame_waits_long, opencl, frame-path-opencl, "begin waits for OpenCL for seconds") \
     WRONG(cold_frame, opencl, first-launches, "activate launches no kernel (a warning)") \
     WRONG(leaks_buffer, opencl, opencl-balance, "every activation leaks an OpenCL buffer") \
     WRONG(retains_queue, opencl, opencl-balance, "activate retains the host's queue") \

@@ -3,6 +3,7 @@
  * queue. */
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
+#include <pthread.h>
 
 #include "kernels_wrong.h"
 #include "smartvis/author_cl.h"
@@ -53,6 +54,31 @@ static void build_a_program(const sva *a) {
     (void)clReleaseProgram(program);
 }
 
+static void *open_gate(void *gate) {
+    (void)sleep(2);
+    (void)clSetUserEventStatus((cl_event)gate, CL_COMPLETE);
+    return NULL;
+}
+
+/* As where a runtime compiles: for seconds a launch does not begin, and then a call does not come back. Once
+ * in a process, for no later frame may take as long. */
+static void wait_for_seconds(const sva *a) {
+    static const size_t rays[2] = {1, 1};
+    static int turn;
+    const sva_cl *cl = (const sva_cl *)a->own;
+    for (; turn < 2; turn++) {
+        pthread_t thread;
+        cl_event gate = clCreateUserEvent(cl->context, NULL);
+        if (!gate || pthread_create(&thread, NULL, open_gate, gate) != 0) return;
+        if (turn == 0)
+            (void)clEnqueueNDRangeKernel(cl->queue, cl->kernels[PLACE], 2, NULL, rays, NULL, 1, &gate, NULL);
+        else
+            (void)clWaitForEvents(1, &gate);
+        (void)pthread_join(thread, NULL);
+        (void)clReleaseEvent(gate);
+    }
+}
+
 /* The first byte, in front of what the host told of. */
 static void write_a_byte(const sva *a, cl_mem object) {
     static const cl_uchar byte = 42;
@@ -79,7 +105,8 @@ static sv_status begin(const sv_plugin *plugin, const sv_frame *frame) {
                                  (void *)&a->format.context, NULL);
     const sv_status status = sva_begin(plugin, frame);
     a->format.context = own;
-    if (status == SV_OK && WRONG_IS(frame_builds)) build_a_program(wrong_self(plugin));
+    if (status == SV_OK && WRONG_IS(frame_builds)) build_a_program(a);
+    if (status == SV_OK && WRONG_IS(frame_waits_long)) wait_for_seconds(a);
     return status;
 }
 
@@ -87,6 +114,7 @@ static sv_status slab(const sv_plugin *plugin, const sv_slab *s) {
     sva *a = wrong_self(plugin);
     const uint32_t state = a->state;
     const sv_status status = sva_slab(plugin, s);
+    if (status == SV_OK && WRONG_IS(hang_beside_opencl)) wrong_hang();
     if (status == SV_OK && WRONG_IS(writes_into_object) && s->object) write_a_byte(a, s->object);
     if (status == SV_OK && WRONG_IS(frame_creates_buffer)) make_a_buffer(a, 0);
     if (status != SV_ERR_OPENCL || !WRONG_IS(ignores_opencl_errors)) return status;
