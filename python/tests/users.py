@@ -155,8 +155,8 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "block.nrrd": (block, 3, "its values are of type block, expected numbers"),
     "labels.nii": (labelled, 3, "it is no scan, but made of one (a label map)"),
     "oblique.dcm": (
-        lambda path, v: enhanced(path, v, across=(1, 0, 0, 0.3, 1, 0)), 3,
-        "its rows and columns run along 1, 0, 0, 0.3, 1, 0, expected directions of length 1 at right angles"),
+        lambda path, v: enhanced(path, v, across=(1, 0, 0, 0.1, 1, 0)), 3,
+        "its rows and columns run along 1, 0, 0, 0.1, 1, 0, expected directions of length 1 at right angles"),
     "over_time.nrrd": (
         lambda path, v: nrrd(path, v, "spacings: 1.25 1.25 nan", "kinds: domain domain time"), 3,
         "it holds 48 pictures over time"),
@@ -217,6 +217,9 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
         lambda path, v: nrrd(path, v, "space: LPS", "space directions: (1,0,0) (0,1,0) (0,0,1)",
                              'space units: "ft" "ft" "ft"'), 3, "its lengths are in 'ft'"),
     "lost.dcm": (lambda path, v: enhanced(path, v, times=2, missing=5), 3, "which of them make up a volume is not"),
+    "few.dcm": (
+        lambda path, v: changed(path, v, lambda data: data.PerFrameFunctionalGroupsSequence.pop()), 3,
+        "it has 48 pictures and says where 47 of them lie"),
     "gap.dcm": (lambda path, v: enhanced(path, v, missing=5), 3, "slices are missing or not evenly spaced"),
     "beside.dcm": (lambda path, v: enhanced(path, v, step=(0.5, 0, 2.5)), 3, "lie 0.5 mm beside the one before"),
     "place.dcm": (lambda path, v: enhanced(path, v, step=(0, 0, 0)), 3, "48 pictures, lie at one place"),
