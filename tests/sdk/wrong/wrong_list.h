@@ -168,7 +168,7 @@
     WRONG(writes_in_adjust, life, inputs-unchanged, "adjust writes into the host's voxels") \
     WRONG(prints, life, process-untouched, "slab prints to the standard output") \
     WRONG(frame_allocates, life, frame-path-heap, "begin allocates memory") \
-    WRONG(slow_frames, life, frame-time, "end takes 60 ms (a warning)") \
+    WRONG(slow_frames, life, frame-time, "end takes 60 ms, but for every third frame (a warning)") \
     WRONG(ignores_no_memory, life, heap-faults, "activate does not look whether it got its memory") \
     WRONG(create_calls_opencl, opencl, create-without-opencl, "create asks OpenCL for its platforms") \
     WRONG(end_minus_78, opencl, first-frame, "end fails with a status that nobody knows, on the host's queue") \

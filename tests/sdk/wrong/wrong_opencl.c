@@ -76,6 +76,7 @@ static void wait_for_seconds(const sva *a) {
             (void)clWaitForEvents(1, &gate);
         (void)pthread_join(thread, NULL);
         (void)clReleaseEvent(gate);
+        (void)usleep(300000); /* beside it, and soon over */
     }
 }
 
