@@ -223,13 +223,22 @@ def by_offset(path: Path, times: Sequence[np.ndarray], dice: np.random.Generator
     frames = data.PerFrameFunctionalGroupsSequence
     for number, frame in enumerate(frames):
         offset = pydicom.Dataset()
-        offset.TemporalPositionTimeOffset = 0.04 * (number // 48)
+        offset.TemporalPositionTimeOffset = round(9.96 + 0.04 * (number // 48), 2)
         frame.TemporalPositionSequence = [offset]
         del frame.FrameContentSequence[0].TemporalPositionIndex
     order = dice.permutation(len(frames))
     data.PerFrameFunctionalGroupsSequence = [frames[number] for number in order]
     data.PixelData = np.concatenate(times)[order].tobytes()
     data.save_as(path)
+
+
+def last_at(path: Path, voxels: np.ndarray, place: Sequence[float]) -> None:
+    """Its last slice lies elsewhere."""
+
+    def move(data: Any) -> None:
+        data.PerFrameFunctionalGroupsSequence[-1].PlanePositionVolumeSequence[0].ImagePositionVolume = list(place)
+
+    changed(path, voxels, move)
 
 
 def far_probe(path: Path, voxels: np.ndarray) -> None:

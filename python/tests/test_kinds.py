@@ -106,7 +106,7 @@ def test_volumes_follow_their_time(tmp_path: Path, scan: np.ndarray) -> None:
     times = [scan, scan // 2, scan // 3]
     by_offset(tmp_path / "any.dcm", times, np.random.default_rng(5))
     source = Source(tmp_path / "any.dcm")
-    assert source.count == 3 and source.names == ["time offset 0.0", "time offset 0.04", "time offset 0.08"]
+    assert source.count == 3 and source.names == ["time offset 9.96", "time offset 10.0", "time offset 10.04"]
     for number, voxels in enumerate(times):
         assert np.array_equal(sitk.GetArrayFromImage(source.read(number)), voxels)
 

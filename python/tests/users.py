@@ -43,6 +43,7 @@ from makers_dicom import (
     far_probe,
     folder_of,
     halved,
+    last_at,
     lossy,
     packed_by,
     palette,
@@ -220,7 +221,13 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
     "few.dcm": (
         lambda path, v: changed(path, v, lambda data: data.PerFrameFunctionalGroupsSequence.pop()), 3,
         "it has 48 pictures and says where 47 of them lie"),
+    "zero.dcm": (
+        lambda path, v: changed(path, v, lambda data: setattr(
+            data.SharedFunctionalGroupsSequence[0].PixelMeasuresSequence[0], "PixelSpacing", [1.25, 0])), 0,
+        "does not say how far apart its voxels are"),
     "gap.dcm": (lambda path, v: enhanced(path, v, missing=5), 3, "slices are missing or not evenly spaced"),
+    "near.dcm": (lambda path, v: last_at(path, v, (0, 0, 116)), 3, "it lies 1 mm behind the slice before it, others"),
+    "slipped.dcm": (lambda path, v: last_at(path, v, (0.5, 0, 117.5)), 3, "lie 0.5 mm beside the one before"),
     "beside.dcm": (lambda path, v: enhanced(path, v, step=(0.5, 0, 2.5)), 3, "lie 0.5 mm beside the one before"),
     "place.dcm": (lambda path, v: enhanced(path, v, step=(0, 0, 0)), 3, "48 pictures, lie at one place"),
     "white.dcm": (lambda path, v: enhanced(path, v, grey="MONOCHROME1"), 3, "its grey is inverted"),
@@ -273,7 +280,7 @@ PLACED: dict[str, tuple[Make, str]] = {  # where the volume lies, and where the 
 }  # fmt: skip
 TOLD: dict[str, tuple[Make, str]] = {  # two truths in a file, and which counts; what is no scan of ours
     "region.dcm": (
-        lambda path, v: changed(path, v, SequenceOfUltrasoundRegions=[region(0.0625)]),
+        lambda path, v: changed(path, v, SequenceOfUltrasoundRegions=[region(-0.0625)]),
         "Its pixels are 1.25 x 1.25 mm large, by its ultrasound region 0.625 x 0.625: the first counts."),
     "apart.dcm": (
         lambda path, v: changed(path, v, lambda data: setattr(
