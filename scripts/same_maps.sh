@@ -8,11 +8,11 @@ shift 2
 root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-mapfile -t methods < <(sed -n 's/^ *X([A-Z]*, [0-9]*, \([a-z]*\)).*/\1/p' "$root/src/method_list.h")
+methods=$("$root/scripts/list_methods.sh")
 inputs=(E01 E02 E03 E04 M01 M02 M03 D01 D02 "$@")
 
 failed=0
-for method in "${methods[@]}"; do
+for method in $methods; do
     same=0
     for input in "${inputs[@]}"; do
         what=(--volume "$input")

@@ -8,6 +8,7 @@ set -eu -o pipefail
 build=$(realpath "$1")
 source "$(dirname "$0")/windows_build.sh" "$2"
 
+methods=$(scripts/list_methods.sh)
 # An example in C++ for this machine, to compare with.
 cmake -S examples/cpp -B "$out/cpp_here" -G Ninja -D "CMAKE_PREFIX_PATH=$build" > /dev/null
 cmake --build "$out/cpp_here" > /dev/null
@@ -66,7 +67,7 @@ x86_64-w64-mingw32-gcc -O2 "$out/holds.c" -o "$out/holds.exe"
 : > "$out/fötus/back.svr"
 (cd "$out/fötus" && exec wine "$out/holds.exe" back.svr) > "$out/holds.txt" 2> "$out/there.log" &
 holder=$!
-for method in mean minimum spline wall; do
+for method in $methods; do
     record=$out/$method.svr
     SMARTVIS_RECORD=$record "$build/host_sim" run --scene D01 --size 96 --picture 96 --few-pictures --frames 3 --no-guard \
         --set "method=$method" --plugin "$build/smartvis_check.so" --out "$out/run" > "$out/here.txt" 2>&1 || { cat "$out/here.txt" >&2; exit 1; }
@@ -137,7 +138,7 @@ equal() { # equal FOLDER NAME...: files of both
     local name
     for name in "${@:2}"; do cmp "$out/here/$1/$name" "$out/fötus/$1/$name"; done
 }
-for method in mean minimum spline wall; do
+for method in $methods; do
     both run --scene D01 --size 96 --picture 96 --frames 3 --set method=$method --write all --out $method
     equal $method {clipped,depthmap,mask,status}.mha surface.ply {full,result}.png
 done
