@@ -31,6 +31,7 @@ class Frame:
 
     path: Path
     index: int  #: in the file
+    count: int  #: of pictures in the file
     size: tuple[int, int]
     place: NDArray[np.float64] | None = None  #: of its first pixel, mm
     across: NDArray[np.float64] | None = None  #: directions along a row and down a column
@@ -114,7 +115,7 @@ def _frames_of(path: Path, data: Any, whole_file: bool) -> list[tuple[Any, Frame
     out = []
     for index in range(count):
         layers = [part for part in (groups[index] if groups else None, shared, data) if part is not None]
-        frame = Frame(path, index, (int(data.Columns), int(data.Rows)))
+        frame = Frame(path, index, count, (int(data.Columns), int(data.Rows)))
         _where(frame, layers)
         _how_large(frame, layers)
         _which(frame, layers, index)
@@ -251,8 +252,12 @@ def _depth(frame: Frame) -> float:
 
 
 def _volume(frames: list[Frame], name: str, placed: bool = True) -> Volume:
-    if len(frames) == 1 and frames[0].index == 0:
+    if len(frames) == 1 and frames[0].count == 1:
         raise FileError(f"{frames[0].path}: it is one picture of a DICOM series; the others are not there")
+    if len(frames) == 1:
+        raise FileError(
+            f"{frames[0].path}: no other of its pictures lies along picture {frames[0].index + 1}: no volume"
+        )
     if any(frame.pixel != frames[0].pixel for frame in frames):
         raise FileError(f"{frames[0].path}: pixels of one DICOM series differ in size")
     apart = frames[0].apart

@@ -71,14 +71,14 @@ def changed(path: Path, voxels: np.ndarray, *how: Callable[[Any], None], **field
     data.save_as(path)
 
 
-def region(delta: float) -> Any:
-    """An ultrasound region of a whole picture, with pixels of `delta` cm."""
+def region(delta: float, down: int = 3) -> Any:
+    """An ultrasound region of a whole picture, with pixels of `delta` cm; `down`: the code of another unit."""
     import pydicom
 
     made = pydicom.Dataset()
     made.RegionLocationMinX0 = made.RegionLocationMinY0 = 0
     made.RegionLocationMaxX1 = made.RegionLocationMaxY1 = 95
-    made.PhysicalUnitsXDirection = made.PhysicalUnitsYDirection = 3
+    made.PhysicalUnitsXDirection, made.PhysicalUnitsYDirection = 3, down
     made.PhysicalDeltaX = made.PhysicalDeltaY = delta
     return made
 
@@ -230,6 +230,18 @@ def by_offset(path: Path, times: Sequence[np.ndarray], dice: np.random.Generator
     data.PerFrameFunctionalGroupsSequence = [frames[number] for number in order]
     data.PixelData = np.concatenate(times)[order].tobytes()
     data.save_as(path)
+
+
+def last_turned(path: Path, voxels: np.ndarray) -> None:
+    """A picture of another direction behind those of a volume."""
+    import pydicom
+
+    def turn(data: Any) -> None:
+        across = pydicom.Dataset()
+        across.ImageOrientationVolume = [0, 1, 0, 0, 0, 1]
+        data.PerFrameFunctionalGroupsSequence[-1].PlaneOrientationVolumeSequence = [across]
+
+    changed(path, voxels, turn)
 
 
 def last_at(path: Path, voxels: np.ndarray, place: Sequence[float]) -> None:

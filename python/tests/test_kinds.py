@@ -17,7 +17,7 @@ import SimpleITK as sitk
 import tifffile
 from conftest import LONG, host
 from makers import SPACING, nrrd, written
-from makers_dicom import by_offset, by_table
+from makers_dicom import by_offset, by_table, enhanced
 from users import NAMES, RIGHT, SAID, TOLD, expected
 
 import smartvis
@@ -109,6 +109,12 @@ def test_volumes_follow_their_time(tmp_path: Path, scan: np.ndarray) -> None:
     assert source.count == 3 and source.names == ["time offset 9.96", "time offset 10.0", "time offset 10.04"]
     for number, voxels in enumerate(times):
         assert np.array_equal(sitk.GetArrayFromImage(source.read(number)), voxels)
+
+
+def test_slices_may_lie_near(tmp_path: Path, scan: np.ndarray) -> None:
+    enhanced(tmp_path / "near.dcm", scan, step=(0, 0, 0.25))
+    source = Source(tmp_path / "near.dcm")
+    assert source.count == 1 and source.read().GetSpacing() == (1.25, 1.25, 0.25)
 
 
 @pytest.mark.parametrize("name", SAID)

@@ -44,6 +44,7 @@ from makers_dicom import (
     folder_of,
     halved,
     last_at,
+    last_turned,
     lossy,
     packed_by,
     palette,
@@ -116,6 +117,8 @@ RIGHT |= {  # colour spaces and transfer syntaxes
     "series": lambda path, v: series(path, v, "6.1"),
     "captures": lambda path, v: series(path, v, "7"),
     "many_frames.dcm": without_places,
+    "motion.dcm": lambda path, v: changed(path, v, SequenceOfUltrasoundRegions=[region(0.0625, 4)]),  # down is time
+    "regions.dcm": lambda path, v: changed(path, v, SequenceOfUltrasoundRegions=[region(0.0625)] * 2),  # whose?
 }
 RIGHT |= {
     "big.nii": big_endian,
@@ -227,6 +230,7 @@ SAID: dict[str, tuple[Make, int, str]] = {  # a code, and the sentence
         "does not say how far apart its voxels are"),
     "gap.dcm": (lambda path, v: enhanced(path, v, missing=5), 3, "slices are missing or not evenly spaced"),
     "near.dcm": (lambda path, v: last_at(path, v, (0, 0, 116)), 3, "it lies 1 mm behind the slice before it, others"),
+    "turned.dcm": (last_turned, 3, "no other of its pictures lies along picture 48: no volume"),
     "slipped.dcm": (lambda path, v: last_at(path, v, (0.5, 0, 117.5)), 3, "lie 0.5 mm beside the one before"),
     "beside.dcm": (lambda path, v: enhanced(path, v, step=(0.5, 0, 2.5)), 3, "lie 0.5 mm beside the one before"),
     "place.dcm": (lambda path, v: enhanced(path, v, step=(0, 0, 0)), 3, "48 pictures, lie at one place"),
