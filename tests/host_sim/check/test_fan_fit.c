@@ -420,6 +420,9 @@ static void real_scans(void **state) {
         (void)hs_volume_find_beams(&v, NULL);
         if (v.course.kind != HS_BEAMS_FAN || v.probe != HS_PROBE_LOW_Z || v.course.misfit > 0.2)
             fail_msg("%s: kind %d, misfit %g", v.name, v.course.kind, v.course.misfit);
+        double fits[3]; /* the first one is turned in its box */
+        if (i == 0 && !strstr(asked_of(&v, (const double[3]){1, 1, 2}, fits), "As a fan this fits with"))
+            fail_msg("%s: nobody asks about a doubled spacing", v.name);
         hs_volume_free(&v);
     }
     if (found == 0) skip();
