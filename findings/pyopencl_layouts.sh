@@ -3,7 +3,7 @@
 # Guess: pyopencl adds an array stored by rows and one stored by columns element by element, or refuses, as it refuses strided ones.
 # Found: it pairs them in the order of memory, in silence: v less its own transpose, v - v.T, is 0 everywhere. So do ==, maximum and dot;
 # only an assignment refuses. pyopencl's tracker has it open since 2023 (issue 681).
-# NIfTI's readers give columns, DICOM's and NRRD's rows: copy to one order before two volumes meet on a device.
+# nibabel gives columns, pydicom and SimpleITK rows: copy to one order before two volumes meet on a device.
 work=$(mktemp -d)
 # shellcheck source=findings/common.bash
 . "$(dirname "$0")/common.bash"
