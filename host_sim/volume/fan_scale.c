@@ -15,7 +15,6 @@ static const double better = 0.05; /* of the border: as much more must lie on th
 static const double enough = 0.9;  /* of the border */
 static const double changed = 1.1; /* a smaller factor bends a fan, and leaves it one */
 static const double alike = 1.05;  /* a smaller factor is what the outline's voxels leave open */
-static const double hardly = 200.0; /* mm: of a longer radius the lines hardly part, and bend by chance */
 static const double hopeless =
     0.25; /* cost of a trial: most of the border is near a fan that will hold enough */
 static const double side = 100.0; /* mm, of the cube that trials begin from */
@@ -46,7 +45,7 @@ static void try_factor(search *s, const hs_volume *v, const border *b, const dou
         double axes[9];
         hs_probe_axes(v, (hs_probe)face, axes);
         const fan f = hs_fan_from(axes, &s->scaled, s->room, s->turned, true, hopeless);
-        if (!hs_fan_scale_rests(&f) || f.share <= s->share || f.x[FACE] > hardly) continue;
+        if (!hs_fan_scale_rests(&f) || f.share <= s->share) continue;
         if (!hs_fan_holds(&f, &s->scaled, axes)) continue;
         s->share = f.share;
         s->found = true;
