@@ -14,8 +14,9 @@ const char hs_exit_codes_help[] =
     "  0  everything went well\n"
     "  1  a check the command was asked for did not hold\n"
     "  2  the command line is wrong: unknown option, value out of range\n"
-    "  3  a volume or scene cannot be read, or is not valid\n"
-    "  4  the plugin cannot be loaded, or one of its calls failed (pictures are written, unclipped)\n"
+    "  3  a volume, scene or library cannot be read, or is not valid\n"
+    "  4  the plugin cannot be loaded, one of its calls failed, or its process ended (unless its file is\n"
+    "     missing, the pictures are written, unclipped)\n"
     "  5  OpenCL: no device, a build that failed, a call that failed\n"
     "  6  a result cannot be written\n"
     "  7  host memory ran out\n";

@@ -10,7 +10,7 @@ typedef enum {
     HS_OK = 0,
     HS_ERR_FAILED = 1, /* a check the command was asked for did not hold */
     HS_ERR_USAGE = 2,  /* the command line is wrong: unknown option, value out of range */
-    HS_ERR_INPUT = 3,  /* a volume or scene cannot be read, or is not valid */
+    HS_ERR_INPUT = 3,  /* a volume, scene or library cannot be read, or is not valid */
     HS_ERR_PLUGIN = 4, /* the plugin cannot be loaded, or one of its calls failed */
     HS_ERR_DEVICE = 5, /* OpenCL: no device, a build that failed, a call that failed */
     HS_ERR_OUTPUT = 6, /* a result cannot be written */
