@@ -40,7 +40,8 @@ build() { # build LIBRARY PACKAGE TARGET "HEADER..." ARGUMENT...: this target al
     description=$(find "$built" -name "${1%16}.pc" -o -name "${1#lib}.pc")
     to=$(pkg-config --variable=includedir "$description")
     mkdir -p "$root/lib/pkgconfig" "$to"
-    for header in $4; do cp "$(find "$source" "$built" -name "$header" ! -path '*/debian/*' -print -quit)" "$to"; done
+    # What was configured comes first: sources hold headers of that name for other systems.
+    for header in $4; do cp "$(find "$built" "$source" -name "$header" -print -quit)" "$to"; done
     cp "$description" "$root/lib/pkgconfig"
     cp "$source/debian/copyright" "$root/licences/$2"
     find "$built" -name "$1.a" -exec cp {} "$root/lib" ';'
