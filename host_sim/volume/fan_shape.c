@@ -91,6 +91,20 @@ typedef struct {
 } meeting;
 _Static_assert(sizeof(meeting) * LAST_TRIAL <= sizeof(double) * HS_BORDER_MOST, "they lie in the room");
 
+/* Of a place along the fan's axes: how far it lies before the sweep's axis, how far from that, and how far
+ * before and from the apex. */
+typedef struct {
+    double w, h, c, r;
+} distances;
+
+static distances distances_of(const fan *f, const double l[3]) {
+    distances d = {.w = l[2] - f->x[SWEEP]};
+    d.h = length_of(l[1], d.w) + 1e-9;
+    d.c = d.h + f->x[SWEEP];
+    d.r = length_of(l[0], d.c) + 1e-9;
+    return d;
+}
+
 typedef struct {
     double cosine, sine;
 } direction;
@@ -129,19 +143,19 @@ static meeting meet_fan(const fan *f, const direction limits[4], const double p[
     static const double rounding = 1e-9; /* mm, and of a length */
     meeting m = {.beyond = DBL_MAX, .surface = 6};
     local_place(f, p, m.place);
-    const double *l = m.place, w = l[2] - f->x[SWEEP], h = length_of(l[1], w) + 1e-9, c = h + f->x[SWEEP];
-    const double r = length_of(l[0], c) + 1e-9;
-    meet(&m, 4, f->x[FACE] - r, r - f->x[END]);
-    const double least[2] = {from_rays(l[0], c, r, limits), from_rays(l[1], w, h, limits + 2)};
+    const double *l = m.place;
+    const distances d = distances_of(f, l);
+    meet(&m, 4, f->x[FACE] - d.r, d.r - f->x[END]);
+    const double least[2] = {from_rays(l[0], d.c, d.r, limits), from_rays(l[1], d.w, d.h, limits + 2)};
     for (int n = 0; n < 2; n++) {
         const bool planes = (least[1] < least[0]) != (n == 1); /* the ones that may be nearer come first */
         if (least[planes] > fabs(m.beyond) * (1.0 + rounding) + rounding) continue;
         if (planes) {
-            const double plane = atan2(l[1], w);
-            meet(&m, 2, (-f->x[PLANE] - plane) * h, (plane - f->x[PLANE]) * h);
+            const double plane = atan2(l[1], d.w);
+            meet(&m, 2, (-f->x[PLANE] - plane) * d.h, (plane - f->x[PLANE]) * d.h);
         } else {
-            const double line = atan2(l[0], c);
-            meet(&m, 0, (f->x[LOW_LINE] - line) * r, (line - f->x[HIGH_LINE]) * r);
+            const double line = atan2(l[0], d.c);
+            meet(&m, 0, (f->x[LOW_LINE] - line) * d.r, (line - f->x[HIGH_LINE]) * d.r);
         }
     }
     return m;
@@ -150,8 +164,9 @@ static meeting meet_fan(const fan *f, const direction limits[4], const double p[
 /* What `beyond` changes by for each unknown, at a point p. */
 static void slope_of(const fan *f, const double p[3], const meeting *met, double slope[UNKNOWNS]) {
     const int surface = met->surface;
-    const double *l = met->place, w = l[2] - f->x[SWEEP], h = length_of(l[1], w) + 1e-9, c = h + f->x[SWEEP];
-    const double r = length_of(l[0], c) + 1e-9, sign = surface % 2 ? 1.0 : -1.0;
+    const double *l = met->place, sign = surface % 2 ? 1.0 : -1.0;
+    const distances d = distances_of(f, l);
+    const double w = d.w, h = d.h, c = d.c, r = d.r;
     double g[3] = {0, l[1] / h, w / h}, by_sweep = 1.0 - w / h; /* of c, along the fan's axes */
     if (surface < 2 || surface > 3) {
         const double of_x = surface < 2 ? c / r : l[0] / r, of_c = surface < 2 ? -l[0] / r : c / r;
