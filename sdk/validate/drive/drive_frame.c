@@ -77,9 +77,11 @@ static void add_values(v_run *run, const sv_param_value *values, uint32_t count)
 /* The frame's values, for a call that does not come back. */
 static void tell_values(const stage *st, const sv_param_value *values, uint32_t count) {
     v_run *run = run_of(st);
-    run->report->values[0] = '\0';
+    char *said = run->report->values;
+    said[0] = '\0';
     add_values(run, st->way.fixed, st->way.fixed_count);
     add_values(run, values, count);
+    if (!said[0]) (void)snprintf(said, sizeof run->report->values, "the defaults");
 }
 
 /* The call is over: what comes next is the check's own. */
@@ -91,8 +93,6 @@ static sv_status came_back(const stage *st, sv_status status) {
 sv_status v_begin(const sv_plugin *p, stage *st, const sv_param_value *values, uint32_t count) {
     const sv_frame frame = stage_frame(st, values, count);
     tell_values(st, values, count);
-    if (!run_of(st)->report->values[0])
-        (void)snprintf(run_of(st)->report->values, sizeof run_of(st)->report->values, "the defaults");
     v_where_frame(run_of(st), "begin");
     return came_back(st, p->begin(p, &frame));
 }
